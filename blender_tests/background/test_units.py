@@ -5,8 +5,10 @@ from __future__ import annotations
 import unittest
 
 import bpy
-from rumple.blender import scheduler
-from rumple.blender.objects import runtimes, units
+import numpy as np
+from rumple.blender import compat, scheduler
+from rumple.blender.nodes import wrinkle_tree
+from rumple.blender.objects import incoming_mesh, mesh_reader, runtimes, units
 from support import sleeve
 
 
@@ -61,6 +63,59 @@ class Scale(unittest.TestCase):
         evaluator = runtimes.of(self.obj).evaluator
         sleeve.play()
         self.assertIs(runtimes.of(self.obj).evaluator, evaluator)
+
+
+class Applied(unittest.TestCase):
+    """Blender moves no vector of an attribute when scale and rotation are applied."""
+
+    def setUp(self) -> None:
+        self.obj = sleeve.scene(wrinkles=False)
+        self.obj.scale, self.obj.rotation_euler = (2.0, 2.0, 2.0), (0.3, 0.2, 1.1)
+        bpy.context.view_layer.update()
+        self.map = np.array(self.obj.matrix_world)
+
+    def apply(self) -> None:
+        sleeve.make_active(self.obj)
+        bpy.ops.object.transform_apply(location=True, rotation=True, scale=True)
+        for _ in range(2):
+            bpy.context.view_layer.update()
+            scheduler.sync_all()
+
+    def vectors(self, name: str) -> np.ndarray:
+        return compat.read_attribute(incoming_mesh.of(self.obj).attributes[name])
+
+    def test_a_captured_rest_shape_goes_along(self) -> None:
+        """It was half as large as the cloth, and everything was taut."""
+        for behind in ("nothing", "a modifier that makes points"):
+            with self.subTest(behind):
+                self.setUp()
+                if behind != "nothing":
+                    self.obj.modifiers.new("Subdivision", "SUBSURF").levels = 1
+                    compat.move_modifier(self.obj, 1, 0)
+                sleeve.make_active(self.obj)
+                bpy.ops.object.rumple_add(method="MESH")
+                bpy.ops.object.rumple_capture_rest(frame=8)
+                before = self.vectors(wrinkle_tree.REST_POSITION)
+                self.apply()
+                after = before @ self.map[:3, :3].T + self.map[:3, 3]
+                np.testing.assert_allclose(self.vectors(wrinkle_tree.REST_POSITION), after, atol=2e-4)
+                self.apply()
+                np.testing.assert_allclose(self.vectors(wrinkle_tree.REST_POSITION), after, atol=2e-4)
+                bpy.ops.object.rumple_remove()
+                self.assertNotIn(wrinkle_tree.REST_BASIS, self.obj.data.attributes)
+
+    def test_painted_waves_go_along(self) -> None:
+        bpy.ops.object.rumple_add(method="FIELD")
+        bpy.ops.object.rumple_scatter(seed=3)
+        scheduler.sync_all()
+        before = self.vectors(mesh_reader.REST_WRINKLE)
+        self.assertGreater(np.abs(before).max(), 0.1)
+        self.apply()
+        turn = self.map[:3, :3] / 2.0
+        np.testing.assert_allclose(self.vectors(mesh_reader.REST_WRINKLE), before @ turn.T, atol=2e-4)
+        bpy.ops.object.rumple_clear_rest_wrinkles()
+        scheduler.sync_all()
+        self.assertNotIn(wrinkle_tree.REST_BASIS, self.obj.data.attributes)
 
 
 if __name__ == "__main__":

@@ -54,6 +54,27 @@ class Transforms(unittest.TestCase):
         self.assertEqual(transforms.determinant(matrix[:, :3]), -8.0)
         np.testing.assert_array_equal(transforms.inverse(matrix[:, :3]), [[0, 0.5, 0], [-0.5, 0, 0], [0, 0, -0.5]])
 
+    def test_the_affine_map_between_points_is_found_where_most_were_moved_by_one(self) -> None:
+        turn = np.array([[0.0, -2.0, 0.0, 5.0], [2.0, 0.0, 0.0, 6.0], [0.0, 0.0, -3.0, 7.0]])
+        moved = transforms.placed(turn, self.points)
+        np.testing.assert_allclose(transforms.affine_between(self.points, moved), turn, atol=1e-9)
+        moved[:12] += 0.5  # edited since
+        np.testing.assert_allclose(transforms.affine_between(self.points, moved), turn, atol=1e-9)
+        for other in (self.points, self.points[::-1], np.full_like(moved, np.nan), self.points[:, ::-1] ** 2):
+            self.assertIsNone(transforms.affine_between(self.points, other))
+        self.assertIsNone(transforms.affine_between(self.points[:0], self.points[:0]))
+
+    def test_a_plane_is_turned_and_scaled_as_a_solid(self) -> None:
+        plane = self.points * (1.0, 1.0, 0.0)
+        turn = 2.0 * np.array([[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
+        found = transforms.affine_between(plane, plane @ turn.T + (1.0, 2.0, 3.0))
+        np.testing.assert_allclose(found, np.concatenate([turn, [[1.0], [2.0], [3.0]]], 1), atol=1e-9)
+        np.testing.assert_allclose(transforms.redirected(found, np.array([[0.0, 0.0, 0.3], [0.0, 0.0, 0.0]])),
+                                   [[0.3, 0.0, 0.0], [0.0, 0.0, 0.0]], atol=1e-12)
+        line = self.points * (1.0, 0.0, 0.0)
+        np.testing.assert_allclose(transforms.affine_between(line, line + 1.0), np.eye(3, 4) + [[0, 0, 0, 1]] * 3,
+                                   atol=1e-9)
+
     def test_single_precision_stays_single(self) -> None:
         matrix, points = self.matrix.astype(np.float32), self.points.astype(np.float32)
         found = transforms.turned(matrix, points)

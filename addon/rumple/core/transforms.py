@@ -9,6 +9,9 @@ import math
 import numpy as np
 
 JACOBI_ROUNDS = 6
+FITS = 8  # of affine_between()
+FITTING = 1e-4  # of the size: how near points come that an affine map moved
+FLAT, TINY = 1e-10, 1e-30  # of the largest moment; of an area
 
 
 def turned(matrix: np.ndarray, vectors: np.ndarray) -> np.ndarray:
@@ -77,3 +80,53 @@ def _cofactors(matrix: np.ndarray) -> list[list[float]]:
     a = matrix.astype(np.float64).tolist()  # floats of Python: a third of the time of NumPy's
     return [[a[i][k] * a[j][m] - a[i][m] * a[j][k] for k, m in ((1, 2), (2, 0), (0, 1))]
             for i, j in ((1, 2), (2, 0), (0, 1))]
+
+
+def affine_between(before: np.ndarray, after: np.ndarray) -> np.ndarray | None:
+    """(3, 4): what moved most of (n, 3) points to (n, 3) others. None where no affine map did, or they are where they
+    were. Points in a plane are taken for a solid as thick as they are wide, which is turned and scaled with it.
+
+    Least squares, again over the half that it fits best: the others may have been edited beside.
+    """
+    if not len(before) or not (np.isfinite(before).all() and np.isfinite(after).all()):
+        return None
+    before, after = before.astype(np.float64), after.astype(np.float64)
+    chosen = np.ones(len(before), bool)
+    for _ in range(FITS):
+        affine = _least_squares(before[chosen], after[chosen])
+        distance = np.sqrt(((placed(affine, before) - after) ** 2).sum(axis=1))
+        chosen = distance <= np.median(distance)
+    size = np.sqrt((np.ptp(after, axis=0) ** 2).sum())
+    still = np.abs(placed(affine, before) - before).max() <= FITTING * size
+    return None if still or np.median(distance) > FITTING * size else affine
+
+
+def redirected(affine: np.ndarray, vectors: np.ndarray) -> np.ndarray:
+    """(n, 3) of (n, 3): as long as they were, turned as an affine map (3, 4) turns them."""
+    ways = turned(affine[:, :3], vectors)
+    lengths = np.sqrt((ways**2).sum(axis=1, keepdims=True))
+    return ways * np.sqrt((vectors**2).sum(axis=1, keepdims=True)) / np.where(lengths > 0.0, lengths, 1.0)
+
+
+def _least_squares(before: np.ndarray, after: np.ndarray) -> np.ndarray:
+    middle, other = before.mean(axis=0), after.mean(axis=0)
+    x, y = before - middle, after - other
+    values, axes = (found[0] for found in principal_axes(_moments(x, x)[None]))
+    flat = values <= FLAT * values[-1]
+    share = np.where(flat, 0.0, 1.0 / np.where(flat, 1.0, values))
+    linear = np.eye(3) if flat[1] else product(product(_moments(y, x), axes * share), axes.T)
+    if flat[0] and not flat[1]:
+        normal = np.array(_crossed(turned_one(linear, axes[:, 1]), turned_one(linear, axes[:, 2])))
+        along = np.array(_crossed(axes[:, 1], axes[:, 2]))
+        linear = linear + np.sqrt(1.0 / max(length(normal), TINY)) * normal[:, None] * along
+    return np.concatenate([linear, (other - turned_one(linear, middle))[:, None]], axis=1)
+
+
+def _moments(left: np.ndarray, right: np.ndarray) -> np.ndarray:
+    """(3, 3): the sum of each coordinate of the one times each of the other."""
+    return np.array([[(left[:, i] * right[:, k]).sum() for k in range(3)] for i in range(3)])
+
+
+def _crossed(a: np.ndarray, b: np.ndarray) -> tuple[float, float, float]:
+    (ax, ay, az), (bx, by, bz) = a.tolist(), b.tolist()
+    return ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx

@@ -13,8 +13,8 @@ from ...core.shown_mesh import ShownMesh, ViewportMesh
 from .. import compat, scheduler
 from ..nodes import field_profile, field_shader, wrinkle_tree
 from ..nodes.output_flags import Flag, set_flag
-from ..objects import (bodies, coarse_copy, duplicates, evaluator, incoming_mesh, kept_lists, mesh_reader, messages,
-                       modifier, output_mesh, own_mesh_place, runtimes, units, viewport_mesh)
+from ..objects import (applied_transforms, bodies, coarse_copy, duplicates, evaluator, incoming_mesh, kept_lists,
+                       mesh_reader, messages, modifier, output_mesh, own_mesh_place, runtimes, units, viewport_mesh)
 from ..objects.runtimes import Runtime
 from . import clip_status, path_curves
 
@@ -87,6 +87,7 @@ def _prepare(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier, runtime:
     if method == "FIELD":
         _update_profile(obj, runtime)
     changed = _take_incoming(obj, runtime)
+    applied_transforms.follow(obj)
     former = runtime.evaluator
     inherited = output_mesh.Inherited(obj, evaluator.source_of(obj))
     evaluator.ensure(obj, runtime, meanwhile=inherited.read)
@@ -214,7 +215,7 @@ def drop_internal_attributes(obj: bpy.types.Object) -> None:
         return
     shared = any(other != obj and other.data == mesh for other, _ in modifier.wrinkled_objects())
     internal = (*wrinkle_tree.OUTPUT_ONLY, wrinkle_tree.BASE_POSITION, wrinkle_tree.BASE_INDEX,
-                wrinkle_tree.REST_POSITION)
+                wrinkle_tree.REST_POSITION, wrinkle_tree.REST_BASIS)
     for name in internal:
         if name in mesh.attributes and not shared:
             mesh.attributes.remove(mesh.attributes[name])

@@ -30,6 +30,7 @@ Attributes, all starting with "rumple_":
     and the system's own, see ATTRIBUTES of its class in ../core
   on the coarse mesh
     rumple_rest_position      VECTOR  rest shape captured from a frame
+    rumple_rest_basis         VECTOR  undeformed positions that it, and painted rest wrinkles, belong to
 """
 from __future__ import annotations
 
@@ -52,6 +53,7 @@ LOCAL_OFFSET = "rumple_local_offset"
 BASE_POSITION = "rumple_base_position"
 BASE_INDEX = "rumple_base_index"
 REST_POSITION = "rumple_rest_position"
+REST_BASIS = "rumple_rest_basis"
 SHOWS_PROXY = "rumple_stands_in"
 PROXY_OFFSET = "rumple_stand_in"
 OUTPUT_ONLY = (*CORNERS, BARYCENTRIC, LOCAL_OFFSET, SHOWS_PROXY, PROXY_OFFSET)

@@ -19,6 +19,7 @@ from ..nodes import wrinkle_tree
 from . import modifier
 
 SUFFIX = ".incoming"
+_CAPTURED = (wrinkle_tree.REST_POSITION, wrinkle_tree.REST_BASIS)
 
 
 def of(obj: bpy.types.Object) -> bpy.types.Mesh:
@@ -70,10 +71,11 @@ def drop(mesh: bpy.types.Mesh | None) -> None:
 
 def _keep_captured(former: bpy.types.Mesh | None, mesh: bpy.types.Mesh) -> None:
     """A captured rest shape, where it still fits."""
-    captured = None if former is None else former.attributes.get(wrinkle_tree.REST_POSITION)
-    if captured is not None and len(former.vertices) == len(mesh.vertices):
-        compat.write_attribute(mesh, wrinkle_tree.REST_POSITION, "FLOAT_VECTOR", "POINT",
-                               compat.read_attribute(captured))
+    if former is None or len(former.vertices) != len(mesh.vertices):
+        return
+    for name in _CAPTURED:
+        if name in former.attributes:
+            compat.write_attribute(mesh, name, "FLOAT_VECTOR", "POINT", compat.read_attribute(former.attributes[name]))
 
 
 def _faces(mesh: bpy.types.Mesh) -> tuple[np.ndarray, np.ndarray]:
@@ -92,7 +94,7 @@ def _content(mesh: bpy.types.Mesh) -> str:
         digest.update(values.tobytes())
     for attribute in mesh.attributes:
         if (attribute.data_type in compat.ATTRIBUTE_LAYOUT and not attribute.name.startswith(".")
-                and attribute.name != wrinkle_tree.REST_POSITION):
+                and attribute.name not in _CAPTURED):
             digest.update(attribute.name.encode() + compat.read_attribute(attribute).tobytes())
     for layer in mesh.uv_layers:
         uv = np.empty(len(mesh.loops) * 2, np.float32)

@@ -1,0 +1,47 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What stays right when an artist applies scale, rotation or location (Ctrl A), or turns the mesh in Edit Mode. Blender
+moves the vertices then, but no vector that an attribute has: a captured rest shape would be as large as before, and
+painted waves would run another way.
+
+So the undeformed positions that these vectors belong to are kept in an attribute beside them. Where most vertices have
+been moved by one affine map since, it moves the vectors too.
+"""
+from __future__ import annotations
+
+import bpy
+import numpy as np
+
+from ...core import transforms
+from .. import compat
+from ..nodes.wrinkle_tree import REST_BASIS, REST_POSITION
+from . import incoming_mesh, mesh_reader
+
+
+def follow(obj: bpy.types.Object) -> None:
+    """Bring the vectors of an object's meshes up to date. Structural work: it writes attributes."""
+    for mesh in {obj.data, incoming_mesh.of(obj)}:
+        if compat.is_editable(mesh) and not mesh.is_editmode:
+            _follow(mesh)
+
+
+def _is_vector(attribute: bpy.types.Attribute | None) -> bool:
+    return attribute is not None and (attribute.data_type, attribute.domain) == ("FLOAT_VECTOR", "POINT")
+
+
+def _follow(mesh: bpy.types.Mesh) -> None:
+    vectors = [name for name in (REST_POSITION, mesh_reader.REST_WRINKLE) if _is_vector(mesh.attributes.get(name))]
+    known = mesh.attributes.get(REST_BASIS)
+    if not vectors:
+        if known is not None:
+            mesh.attributes.remove(known)
+        return
+    before, now = None if known is None else compat.read_attribute(known), mesh_reader.basis_positions(mesh)
+    if before is not None and np.array_equal(before, now):
+        return
+    applied = None if before is None else transforms.affine_between(before, now)
+    for name in vectors if applied is not None else ():
+        values = compat.read_attribute(mesh.attributes[name])
+        moved = transforms.placed(applied, values) if name == REST_POSITION else transforms.redirected(applied, values)
+        compat.write_attribute(mesh, name, "FLOAT_VECTOR", "POINT", moved)
+    compat.write_attribute(mesh, REST_BASIS, "FLOAT_VECTOR", "POINT", now)
+    mesh.update()
