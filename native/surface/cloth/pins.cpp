@@ -49,13 +49,15 @@ void hold(std::span<const Index> vertices, float firmly, float reach, const Edge
 
 // The outline of a garment of which more than half is a sheet; else nothing. Its pockets are sheets as well.
 const Border* find_sheet(const Borders& borders) {
-    for (const Border& border : borders.all) {
-        const auto is_here = [&](const Border& other) { return other.part == border.part; };
-        if (!border.is_opening && std::ranges::count_if(borders.all, is_here) == 1 &&
-            2 * std::ranges::count(borders.part, border.part) > std::ssize(borders.part))
-            return &border;
-    }
-    return nullptr;
+    std::vector<size_t> vertices(size_t(borders.parts), 0), outlines(vertices);
+    for (const Index part : borders.part)
+        if (part != kNone) ++vertices[size_t(part)];
+    for (const Border& border : borders.all) ++outlines[size_t(border.part)];
+    const auto found = std::ranges::find_if(borders.all, [&](const Border& border) {
+        const size_t part = size_t(border.part);
+        return !border.is_opening && outlines[part] == 1 && 2 * vertices[part] > borders.part.size();
+    });
+    return found == borders.all.end() ? nullptr : &*found;
 }
 
 // What a sheet is held by; nothing of one that lies.
