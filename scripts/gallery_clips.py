@@ -59,7 +59,7 @@ class Clip:
 
 
 FABRICS = tuple(Column(preset.capitalize(), "MESH", preset) for preset in ("SILK", "COTTON", "DENIM", "LEATHER"))
-WIDE_SKIRT = (("wavelength", 0.14), ("slack", 1.08), ("bending_length", 0.03), ("room", 0.25), ("locomotion", 1.0),
+WIDE_SKIRT = (("wavelength", 0.14), ("slack", 1.08), ("bending_length", 0.03), ("locomotion", 1.0),
               ("swing_damping", 2.0))
 HANG, SWING = (Column(label, "MESH", settings=(("base_cloth", value), *WIDE_SKIRT))
                for label, value in (("Hang: no time passes", "HANG"), ("Swing", "SWING")))
