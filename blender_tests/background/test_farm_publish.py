@@ -62,6 +62,20 @@ class Publish(farm_case.Case):
         self.assertIn("is full: make room", self.err)
         self.assertEqual(list((self.folder / "publish").iterdir()), [])
 
+    def test_a_hidden_garment_is_refused(self) -> None:
+        """It was published as its bare mesh, which stood still."""
+        self.run_command("bake")
+        self.run_command("attach")
+        commands.open_file(self.blend, False)
+        bpy.data.objects[farm_scene.FREE].hide_viewport = True
+        farm_scene.save(self.blend)
+        for words in (["publish"], ["vat"]):
+            self.assertEqual(self.run_command(*words, "--object", farm_scene.FREE), 1)
+            self.assertIn("nothing of it is shown at frame 1, it is hidden: show it", self.err)
+        self.assertEqual(list((self.folder / "publish").glob("*")), [])
+        self.assertEqual((self.run_command("check"), self.run_command("check", "--to-bake")), (0, 1))
+        self.assertIn("Scarf/.. a: it is hidden", self.err)
+
 
 class Alembic(farm_case.Case):
     """Debian's Blenders have no exporter: a stand-in has its interface, and writes what its file begins with."""

@@ -90,6 +90,9 @@ def _garments(garments: list[bpy.types.Object], to_bake: bool) -> Iterator[Findi
         if not nodes_mod.show_viewport:
             yield Finding("garment", f"{obj.name}: its modifier {nodes_mod.name} is off in the viewport: no bake can "
                           "be made")
+        if not obj.evaluated_get(bpy.context.evaluated_depsgraph_get()).is_evaluated:
+            yield Finding("garment", f"{obj.name}: it is hidden: show it, or it cannot be baked nor published",
+                          lacks=to_bake)
         output = modifier.output_object(nodes_mod)
         if modifier.is_baked(nodes_mod) and output is not None:
             text = clip_status.check(obj, output)

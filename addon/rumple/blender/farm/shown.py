@@ -67,6 +67,8 @@ def frames(context: bpy.types.Context, obj: bpy.types.Object, manifest: Manifest
     for number in range(manifest.start, manifest.end + 1):
         context.scene.frame_set(number)
         evaluated = obj.evaluated_get(context.evaluated_depsgraph_get())
+        if not evaluated.is_evaluated:
+            raise BakeError(f"{obj.name}: nothing of it is shown at frame {number}, it is hidden: show it")
         text = clip_status.cannot_play(obj, modifier.output_object(modifier.find(obj)), float(number))
         if text:
             raise BakeError(text)
