@@ -63,6 +63,21 @@ class Bake(unittest.TestCase):
         image = self.settings.poses["Left"].image
         self.assertTrue(image.packed_file is not None and image.colorspace_settings.is_data)
 
+    def test_the_map_is_the_same_in_any_unit(self) -> None:
+        """Blender's baker was given metres for the units of its scene: in centimetres every texel was flat."""
+        self.settings.active = 0
+        for cage in (0.0, 0.004):
+            maps = []
+            for unit in (1.0, 1 / 128):  # powers of two: else folds go another way by rounding alone
+                self.obj.scale = self.rig.scale = (1 / unit,) * 3
+                bpy.context.scene.unit_settings.scale_length = unit
+                self.settings.bake_cage = cage / unit
+                bpy.context.view_layer.update()
+                bpy.ops.rumple.maps_bake()
+                maps.append(texels(self.settings.poses["Left"].image))
+            self.assertGreater(np.abs(maps[0][:, :, :2] - 0.5).max(), 0.1)
+            np.testing.assert_allclose(maps[1], maps[0], atol=0.01)
+
     def test_a_second_blender_runs_the_scripts_of_a_trusted_file(self) -> None:
         """Drivers that call functions stood still there, so it baked another pose, and said nothing."""
         text = bpy.data.texts.new("rig.py")

@@ -14,6 +14,7 @@ from typing import Generator, Iterator
 
 import bpy
 import numpy as np
+from mathutils import Matrix
 
 from ...core.engine import UserError
 from ...core.presets import SKIN_OF_MAPS
@@ -160,12 +161,13 @@ class MapBake:
             properties.apply_values(copy, scene, SKIN_OF_MAPS)
 
     def _frozen(self, copy: bpy.types.Object) -> bpy.types.Object:
+        """In metres, as the baker's lengths are: it takes them for those of its scene, and of the coarse mesh."""
         depsgraph = self.context.evaluated_depsgraph_get()
         mesh = bpy.data.meshes.new_from_object(copy.evaluated_get(depsgraph), preserve_all_data_layers=True,
                                                depsgraph=depsgraph)
-        frozen = bpy.data.objects.new(copy.name, mesh)
-        frozen.matrix_world = copy.matrix_world
-        return frozen
+        metres = self.context.scene.unit_settings.scale_length
+        mesh.transform(Matrix.Diagonal((*(metres * abs(scale) for scale in copy.matrix_world.to_scale()), 1.0)))
+        return bpy.data.objects.new(copy.name, mesh)
 
     # --- the baker
     def _bake(self, pose: bpy.types.PropertyGroup, low: bpy.types.Object, high: bpy.types.Object,
@@ -174,8 +176,9 @@ class MapBake:
         material = _show_only(low, image)
         if settings.uv_map in low.data.uv_layers:
             low.data.uv_layers[settings.uv_map].active_render = True
-        scale = units.metres_per_unit(self.obj, self.context.scene)
-        cage = settings.bake_cage or max(CAGE_OFFSETS * height * scale, 1e-6)
+        metres = units.metres_per_unit(self.obj, self.context.scene)
+        cage = (settings.bake_cage * self.context.scene.unit_settings.scale_length
+                or max(CAGE_OFFSETS * height * metres, 1e-6))
         scene = bpy.data.scenes.new("Rumple Bake")
         try:
             for obj in (low, high):
