@@ -153,6 +153,20 @@ class Bake(unittest.TestCase):
                 np.testing.assert_allclose(texels(image), before, atol=1 / 65535 if deep else 1 / 255)
                 self.assertTrue(image.packed_file is None and image.colorspace_settings.is_data)
 
+    def test_no_two_maps_are_one_file(self) -> None:
+        """Of poses whose names differ by a dot or by case alone, and of two blend files: one was written over another.
+        """
+        with tempfile.TemporaryDirectory() as folder:
+            written = []
+            for file in ("one", "two"):
+                bpy.ops.wm.save_as_mainfile(filepath=os.path.join(folder, f"{file}.blend"))
+                images = [bpy.data.images.new(name, 4, 4) for name in ("Face Joy", "Face.Joy", "Face_Joy", "face joy")]
+                written += [maps_export.save_image(image, Path(folder), False) for image in images]
+                for image in images:
+                    bpy.data.images.remove(image)
+            self.assertEqual(len({str(path).casefold() for path in written}), 8)
+            self.assertEqual(len(list(Path(folder).glob("*.png"))), 8)
+
     def test_a_folder_on_another_drive_is_named_as_a_whole(self) -> None:
         """On Windows there is no relative path to it: the bake broke off, and the map was gone with the file."""
         with tempfile.TemporaryDirectory() as folder:
@@ -243,6 +257,14 @@ class Export(face.TwoPoses, unittest.TestCase):
     def test_where_nothing_can_be_written_it_is_said(self) -> None:
         with self.assertRaisesRegex(RuntimeError, "not_there"):
             bpy.ops.rumple.maps_export(filepath="/not_there/face.json")
+
+    def test_a_name_with_a_dot_keeps_all_of_it(self) -> None:
+        """face.v2 was written as face.json, over that of the first version."""
+        with tempfile.TemporaryDirectory() as folder:
+            for name in ("face.v2", "face.v3.json"):
+                bpy.ops.rumple.maps_export(filepath=os.path.join(folder, name), frames=True)
+            self.assertEqual(sorted(os.listdir(folder)), ["face.v2.frames.json", "face.v2.json", "face.v3.frames.json",
+                                                          "face.v3.json"])
 
     def test_two_maps_never_share_a_file(self) -> None:
         """Many disks do not tell "Smile" from "smile", and no file name has the dot of a pose's: one was written over

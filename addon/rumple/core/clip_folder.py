@@ -31,7 +31,7 @@ def clip_name(file: str, obj: str, place: str = "") -> str:
 
     file: name of the blend file, without suffix. place: what else tells files of that name apart.
     """
-    return f"{readable(file)}-{readable(obj)}-{_digest(file, obj, place)}.pc2"
+    return f"{readable(file)}-{readable(obj)}-{digest(file, obj, place)}.pc2"
 
 
 def readable(name: str) -> str:
@@ -48,10 +48,11 @@ def readable_beside(name: str, others: list[str], about: str = "") -> str:
     plain = readable(name)
     if plain.casefold() not in [readable(other).casefold() for other in others]:
         return plain
-    return f"{plain}-{_digest(name, about)}"
+    return f"{plain}-{digest(name, about)}"
 
 
-def _digest(*parts: str) -> str:
+def digest(*parts: str) -> str:
+    """Eight letters that tell names apart."""
     return hashlib.blake2b(repr(parts).encode("utf-8", "surrogatepass"), digest_size=4).hexdigest()
 
 

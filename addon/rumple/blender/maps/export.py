@@ -12,6 +12,7 @@ from typing import Any
 
 import bpy
 
+from ...core import clip_folder
 from ...core.engine import UserError
 from ...core.poses import PoseComparison, PoseRig, SkinWeights
 from ...core.poses_json import from_json
@@ -24,13 +25,22 @@ from . import modifier as maps_modifier, operators as maps_operators, rig as map
 def save_image(image: bpy.types.Image, folder: Path, deep: bool) -> Path:
     """As PNG of 8 or 16 bits a channel, values as they are; the image then refers to the file. Raises OSError."""
     folder.mkdir(parents=True, exist_ok=True)
-    path = folder / f"{bpy.path.clean_name(image.name)}.png"
+    path = folder / f"{_file_name(image)}.png"
     _write_png(image, path, deep)
     if image.packed_file is not None:
         image.unpack(method="REMOVE")
     image.source, image.filepath = "FILE", stored_path(path)
     image.reload()
     return path
+
+
+def _file_name(image: bpy.types.Image) -> str:
+    """Of this blend file, and of no other of its images, also on disks that do not tell "A" from "a"."""
+    plain = bpy.path.clean_name(image.name)
+    others = [bpy.path.clean_name(other.name).casefold() for other in bpy.data.images if other != image]
+    if plain.casefold() in others:
+        plain = f"{plain}-{clip_folder.digest(image.name)}"
+    return "-".join(filter(None, (bpy.path.clean_name(Path(bpy.data.filepath).stem), plain)))
 
 
 def _write_png(image: bpy.types.Image, path: Path, deep: bool) -> None:
@@ -158,6 +168,7 @@ class RUMPLE_OT_maps_export(maps_operators.OnPose, bpy.types.Operator):
     bl_options = {"REGISTER"}
 
     filepath: bpy.props.StringProperty(subtype="FILE_PATH")
+    check_existing: bpy.props.BoolProperty(default=True, options={"HIDDEN"})  # the file browser asks for it
     filter_glob: bpy.props.StringProperty(default="*.json", options={"HIDDEN"})
     images: bpy.props.BoolProperty(name="Maps", default=True, description="Save the wrinkle maps beside the file")
     frames: bpy.props.BoolProperty(name="Influences by Frame", description="Also write the influences of the scene's "
@@ -169,12 +180,14 @@ class RUMPLE_OT_maps_export(maps_operators.OnPose, bpy.types.Operator):
         return {"RUNNING_MODAL"}
 
     def execute(self, context: bpy.types.Context) -> set[str]:
-        obj, path = maps_operators.target(context), Path(bpy.path.abspath(self.filepath)).with_suffix(".json")
+        obj, path = maps_operators.target(context), Path(bpy.path.abspath(self.filepath))
+        if path.suffix.lower() != ".json":
+            path = path.with_name(f"{path.name}.json")
         try:
+            clip = sampled(context, obj, maps_rig.rig_of(obj)[0], context.scene.frame_start,
+                           context.scene.frame_end) if self.frames else None
             written = export(obj, path, self.images)
-            if self.frames:
-                clip = sampled(context, obj, maps_rig.rig_of(obj)[0], context.scene.frame_start,
-                               context.scene.frame_end)
+            if clip is not None:
                 written.append(path.with_suffix(".frames.json"))
                 written[-1].write_text(json.dumps(clip) + "\n", encoding="utf-8")
         except (UserError, OSError) as error:
