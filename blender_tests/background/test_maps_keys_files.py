@@ -10,6 +10,7 @@ from typing import Any
 
 import bpy
 import numpy as np
+from rumple.blender import compat
 from rumple.blender.maps import hidden_meshes as maps_meshes, modifier as maps_modifier
 from rumple.core import poses_json
 from support import face, keyed_face, sleeve
@@ -93,6 +94,26 @@ class Export(keyed_face.TwoPoses, unittest.TestCase):
         bpy.context.scene.frame_set(5)
         self.assertEqual([round(blocks[name].value, 5) for name in ("brow.L", "rumple_pose_Surprise",
                                                                     "rumple_pose_Anger")], [1.0, 1.0, 0.0])
+
+    def test_a_copy_with_weights_leaves_the_artists_action_alone(self) -> None:
+        """The weights were keyed in it, and a second copy keyed it again."""
+        self.keys["brow.L"].keyframe_insert("value", frame=1)
+        about = self.obj.data.shape_keys.animation_data
+        before = [curve.data_path for curve in compat.keyed_curves(about)]
+        bpy.context.scene.frame_end = 2
+        bpy.ops.rumple.maps_weights()
+        self.assertEqual([curve.data_path for curve in compat.keyed_curves(about)], before)
+
+    def test_a_hidden_face_is_refused(self) -> None:
+        """Nothing moves it then: every influence was 0."""
+        self.keys["brow.L"].keyframe_insert("value", frame=1)
+        self.obj.hide_viewport = True
+        with tempfile.TemporaryDirectory() as folder:
+            with self.assertRaisesRegex(RuntimeError, "Face: nothing of it is shown at frame 1, it is hidden: show it"):
+                bpy.ops.rumple.maps_export(filepath=os.path.join(folder, "face.json"), frames=True)
+            self.assertEqual(os.listdir(folder), [])
+        with self.assertRaisesRegex(RuntimeError, "it is hidden: show it"):
+            bpy.ops.rumple.maps_weights()
 
 
 class Files(keyed_face.TwoPoses, unittest.TestCase):

@@ -110,6 +110,8 @@ def sampled(context: bpy.types.Context, obj: bpy.types.Object, rig: PoseRig, fir
     try:
         for frame in range(first, last + 1):
             scene.frame_set(frame)
+            if not obj.evaluated_get(context.evaluated_depsgraph_get()).is_evaluated:  # keys and bones may stand still
+                raise UserError(f"{obj.name}: nothing of it is shown at frame {frame}, it is hidden: show it")
             bones, keys = maps_rig.present(obj, rig)
             found = comparison.frame(bones, keys=keys)
             influence.append(found.influence.round(5).tolist())
@@ -134,6 +136,9 @@ def weighted_copy(obj: bpy.types.Object, clip: dict[str, Any]) -> bpy.types.Obje
         collection.objects.link(copy)
     if copy.data.shape_keys is None:
         copy.shape_key_add(name="Basis")
+    about = copy.data.shape_keys.animation_data
+    if about is not None and about.action is not None:
+        about.action = about.action.copy()  # Blender copies the keys, and not what animates them
     for number, name in enumerate(clip["poses"]):
         key = copy.shape_key_add(name=maps_mask_tree.MASK.format(name), from_mix=False)
         for frame, values in enumerate(clip["presence"], clip["first"]):
