@@ -103,6 +103,45 @@ class Check(farm_case.Case):
             texts = [finding.text for finding in check._programs()]
         self.assertIn("the file was saved by Blender 9.1", texts[0])
 
+    def test_python_that_was_not_run_makes_another_clip(self) -> None:
+        """A clip that was baked with its drivers off was kept by --resume."""
+        curve = bpy.data.objects["Arm"].pose.bones["upper"].driver_add("location", 0)
+        curve.driver.expression = "sum([0.01 * i for i in (1, 2)])"
+        farm_scene.save(self.blend)
+        free = ("bake", "--object", farm_scene.FREE)
+        self.assertEqual(self.run_command(*free), 0)
+        self.assertIn("Python of the file was not run", self.err)
+        self.assertEqual(self.run_command(*free, "--resume"), 0)
+        self.assertIn("is whole already", self.out)
+        self.assertEqual(self.run_command(*free, "--resume", "--enable-autoexec"), 0)
+        self.assertNotIn("is whole already", self.out)
+        self.assertEqual(self.err, "")
+
+    def test_images_and_simulations_that_move_a_mesh_count(self) -> None:
+        """A clip was kept by --resume where the image of its Displace was another one."""
+        for name in ("push", "map"):
+            image = bpy.data.images.new(name, 4, 4)
+            image.filepath_raw, image.file_format = str(self.folder / f"{name}.png"), "PNG"
+            image.save()
+        texture = bpy.data.textures.new("push", "IMAGE")
+        texture.image = bpy.data.images["push"]
+        bpy.data.objects["Sleeve"].modifiers.new("Push", "DISPLACE").texture = texture
+        cloth = bpy.data.objects["Coat"].modifiers.new("Cloth", "CLOTH")
+        cloth.show_viewport = False
+        cloth.point_cache.use_external, cloth.point_cache.filepath = True, str(self.folder / "points")
+        bpy.data.images["map"].use_fake_user = True
+        farm_scene.save(self.blend)
+        (self.folder / "points").mkdir()
+        for name, counts in (("push.png", True), ("map.png", False), ("points/a_000001_00.bphys", True)):
+            before = source.of_files()
+            (self.folder / name).write_bytes(b"another")
+            self.assertEqual(source.of_files() != before, counts, name)
+        for name in ("push.png", "map.png"):
+            (self.folder / name).unlink()
+        shutil.rmtree(self.folder / "points")
+        lacks = {found["text"].rpartition("/")[2]: found["lacks"] for found in self.data("check")["findings"]}
+        self.assertEqual(lacks, {"push.png is missing": True, "map.png is missing": False, "points is missing": True})
+
     def test_a_garment_that_cannot_be_baked(self) -> None:
         farm_scene.break_garment(farm_scene.INNER)
         farm_scene.save(self.blend)

@@ -54,9 +54,17 @@ def _programs() -> Iterator[Finding]:
             yield Finding("addon", f"the file was made by a later Rumple than {kernels.__version__}, which is here: "
                           "install that one")
             break
-    if bpy.app.autoexec_fail:
-        yield Finding("scripts", f"Python of the file was not run ({bpy.app.autoexec_fail_message}), so its rig may "
-                      "stand elsewhere: give --enable-autoexec")
+    text = scripts_not_run()
+    if text:
+        yield Finding("scripts", text)
+
+
+def scripts_not_run() -> str:
+    """Of the open file, in words; empty where they were, or there are none."""
+    if not bpy.app.autoexec_fail:
+        return ""
+    return (f"Python of the file was not run ({bpy.app.autoexec_fail_message}), so its rig may stand elsewhere: give "
+            "--enable-autoexec")
 
 
 def _files() -> Iterator[Finding]:
@@ -66,11 +74,12 @@ def _files() -> Iterator[Finding]:
         yield Finding("linked", f"the linked file {path} is missing: everything from it is too")
     clips = set(map(clip_status.clip_path, (obj for obj, _ in modifier.wrinkled_objects())))
     caches, said = set(source.caches()), {Path(text) for text in missing}  # paths: Blender may write them otherwise
-    for text in sorted(set(bpy.utils.blend_paths(absolute=True, packed=False, local=False))):
+    named = {*map(str, caches), *bpy.utils.blend_paths(absolute=True, packed=False, local=False)}
+    for text in sorted({str(Path(text)): text for text in sorted(named)}.values()):
         if Path(text) in said | clips or _is_there(text):
             continue
         poses, image = Path(text) in caches, Path(text).suffix.lower() in bpy.path.extensions_image
-        yield Finding("cache" if poses else "image" if image else "file", f"the file {text} is missing", lacks=poses)
+        yield Finding("image" if image else "cache" if poses else "file", f"the file {text} is missing", lacks=poses)
 
 
 def _is_there(text: str) -> bool:

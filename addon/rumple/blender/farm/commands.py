@@ -76,6 +76,8 @@ def bake_all(garments: list[bpy.types.Object], options: bake.Options, say: Say, 
     """One after another, each behind those that it rests on."""
     files, started = source.of_files(), time.perf_counter()
     results: dict[str, dict[str, Any]] = {}
+    if check.scripts_not_run():
+        complain(check.scripts_not_run())
     for obj in garments:
         name = obj.name
         failed = [other for other in plan.needs(obj) if results.get(other, {}).get("code", DONE)]

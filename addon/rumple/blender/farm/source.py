@@ -2,7 +2,9 @@
 """What a clip is baked from, as digests: a clip, or a part of one, is used again only where all of it is the same."""
 from __future__ import annotations
 
+import glob
 import hashlib
+import re
 from pathlib import Path
 from typing import Iterator
 
@@ -12,6 +14,7 @@ from ...core import attached_files, clip_file
 from ...core.clip_manifest import ClipFault
 from ...native import kernels
 from ..frame import clip_status
+from ..nodes import modifier_inputs
 from ..objects import clip_place, modifier
 from . import plan
 
@@ -20,9 +23,12 @@ _UNREADABLE = b"none"
 
 def of_files() -> str:
     """Of the saved blend file and those linked from it by what they hold, of caches by size and time. Where they lie
-    does not count, nor for their order: drives and slashes differ from system to system."""
+    does not count, nor for their order: drives and slashes differ from system to system. Drivers that were not run
+    leave the rig elsewhere."""
     libraries = sorted(of_file(Path(bpy.path.abspath(library.filepath))) for library in bpy.data.libraries)
     parts = [of_file(Path(bpy.data.filepath)), *libraries, *sorted(map(_size_and_time, set(caches())))]
+    if bpy.app.autoexec_fail:
+        parts.append(b"without scripts")
     return hashlib.blake2b(b"".join(parts), digest_size=16).hexdigest()
 
 
@@ -72,13 +78,58 @@ def made_by() -> str:
 
 
 def caches() -> Iterator[Path]:
-    """Files that animate: not the clips of wrinkles."""
+    """Files that animate or move a mesh: not the clips of wrinkles."""
     for cache in bpy.data.cache_files:
         yield Path(bpy.path.abspath(cache.filepath, library=cache.library))
+    for image in _images_that_move():
+        yield from _files_of(image)
     for obj in bpy.data.objects:
         for modifier_ in obj.modifiers:
             if modifier_.type == "MESH_CACHE" and modifier_.filepath and modifier_.name != modifier.CACHE_NAME:
                 yield Path(bpy.path.abspath(modifier_.filepath, library=obj.library))
+            points = getattr(modifier_, "point_cache", None)
+            if points is not None:
+                yield from _point_files(points, obj.library)
+
+
+def _images_that_move() -> Iterator[bpy.types.Image]:
+    """Those of textures, which modifiers and force fields have, of geometry nodes and of their modifiers."""
+    users = bpy.data.user_map(key_types={"IMAGE", "TEXTURE"})
+    given = {value for obj in bpy.data.objects for modifier_ in obj.modifiers if modifier_.type == "NODES"
+             for value in modifier_inputs.values(modifier_) if isinstance(value, bpy.types.Image)}
+    for image in bpy.data.images:
+        if image in given or any(
+                isinstance(user, bpy.types.GeometryNodeTree)
+                or isinstance(user, bpy.types.Texture)
+                and any(not isinstance(other, bpy.types.Brush) for other in users.get(user, ()))
+                for user in users.get(image, ())):
+            yield image
+
+
+def _files_of(image: bpy.types.Image) -> Iterator[Path]:
+    """All of a sequence, and all tiles."""
+    if image.packed_file is not None or not image.filepath or image.source in ("GENERATED", "VIEWER"):
+        return
+    path = Path(bpy.path.abspath(image.filepath, library=image.library))
+    stem = glob.escape(path.stem)
+    if image.source == "SEQUENCE":
+        stem = re.sub(r"\d+(?=\D*$)", "*", stem)
+    elif image.source == "TILED":
+        stem = re.sub("<UDIM>|<UVTILE>", "*", stem)
+    yield from sorted(path.parent.glob(stem + glob.escape(path.suffix))) or [path]
+
+
+def _point_files(points: bpy.types.PointCache, library: bpy.types.Library | None) -> Iterator[Path]:
+    """Of a simulation: a folder that was chosen, or that of the blend file. One that is not baked is written by
+    playing."""
+    if points.use_external and points.filepath:
+        folder = Path(bpy.path.abspath(points.filepath, library=library))
+    elif points.use_external or points.use_disk_cache and points.is_baked:
+        file = Path(bpy.path.abspath(library.filepath if library is not None else bpy.data.filepath))
+        folder = file.parent / f"blendcache_{file.stem}"
+    else:
+        return
+    yield from sorted(folder.glob("*.bphys")) or [folder]
 
 
 def content(file: Path) -> bytes:

@@ -15,6 +15,14 @@ def get_input(nodes_mod: bpy.types.NodesModifier, name: str) -> Any:
     return compat.modifier_input(nodes_mod, identifier) if identifier else None
 
 
+def values(nodes_mod: bpy.types.NodesModifier) -> list[Any]:
+    """Of all its inputs."""
+    if nodes_mod.node_group is None:
+        return []
+    return [compat.modifier_input(nodes_mod, identifier)
+            for identifier in compat.group_sockets(nodes_mod.node_group, "INPUT").values()]
+
+
 def set_input(nodes_mod: bpy.types.NodesModifier, name: str, value: object) -> None:
     """The caller tags the object."""
     compat.set_modifier_input(nodes_mod, compat.group_sockets(nodes_mod.node_group, "INPUT")[name], value)
