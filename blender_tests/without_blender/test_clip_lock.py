@@ -44,6 +44,29 @@ class Kernel:
             yield
 
 
+class InContainers(unittest.TestCase):
+
+    def test_two_of_one_name_do_not_take_their_clips_from_each_other(self) -> None:
+        """Each has numbers of its own for processes: one that lives in the other looked like one that is gone."""
+        with mock.patch.object(os, "readlink", return_value="pid:[4026532178]"):
+            other = clip_folder._host()
+        self.assertNotEqual(other, clip_folder.HOST)
+        with tempfile.TemporaryDirectory() as folder:
+            clip = Path(folder, "a.pc2")
+            with mock.patch.object(clip_folder, "HOST", other), mock.patch.object(os, "getpid", return_value=1 << 29):
+                held, part = Lock(clip), clip_folder.temporary(clip)
+            part.touch()
+            with self.assertRaisesRegex(Held, "is being baked by process"):
+                Lock(clip)
+            clip_folder.sweep(Path(folder))
+            self.assertTrue(part.exists())
+            held.check()
+            with mock.patch.object(os, "readlink", return_value="pid:[4026531836]"):
+                self.assertRegex(clip_folder._host(), r"^[A-Za-z0-9_]+$")
+            with mock.patch.object(os, "readlink", side_effect=FileNotFoundError):  # no Linux
+                self.assertTrue(other.startswith(clip_folder._host()))
+
+
 class OnWindows(unittest.TestCase):
 
     def test_a_process_that_is_over_does_not_run_and_one_that_may_not_be_opened_does(self) -> None:

@@ -50,7 +50,7 @@ class Names(unittest.TestCase):
             again = importlib.util.module_from_spec(clip_folder.__spec__)
             clip_folder.__spec__.loader.exec_module(again)
         self.assertEqual(again.HOST, clip_folder.HOST)
-        self.assertTrue(platform.node() and clip_folder.HOST == re.sub("[^A-Za-z0-9]", "_", platform.node()))
+        self.assertTrue(platform.node() and clip_folder.HOST.startswith(re.sub("[^A-Za-z0-9]", "_", platform.node())))
 
     def test_every_platform_has_its_own_file(self) -> None:
         self.assertEqual([platforms.file_name(name) for name in ("windows-x64", "macos-arm64", "linux-x64")],
