@@ -52,6 +52,37 @@ class SavedSettings(unittest.TestCase):
         sleeve.at(4)
         self.assertEqual(obj.rumple.message, "")
 
+    def test_names_with_any_letters_are_read_back(self) -> None:
+        """A quotation mark ended the text, and a backslash was lost."""
+        self.obj = sleeve.scene(wrinkles=False)
+        with sleeve.context():
+            bpy.ops.object.rumple_add(method="FIELD")
+        for name in ('My "best" mask', "a\\new\\", "\u00e4rmel", '"""'):
+            self.obj.rumple.field.mask = name
+            with sleeve.context():
+                self.assertEqual(bpy.ops.object.rumple_save_settings(name="letters"), {"FINISHED"})
+                path = Path(str(preset_file("letters")).replace("rumple_mesh", "rumple_field"))
+                self.obj.rumple.field.mask = ""
+                use(path)
+            self.assertEqual(self.obj.rumple.field.mask, name)
+
+    def test_it_is_a_step_of_undo_also_from_a_file_of_an_older_rumple(self) -> None:
+        """Undo took back what had been done before it, too."""
+        path = self.saved()
+        before = self.obj.rumple.mesh.radius
+        self.obj.rumple.mesh.radius = 2 * before
+        with sleeve.context():
+            for place in (1.0, 5.0):
+                self.obj.location.x = place
+                bpy.ops.ed.undo_push(message="moved")
+            bpy.ops.script.execute_preset("EXEC_DEFAULT", True, filepath=str(path),
+                                          menu_idname="DATA_PT_rumple_saved_settings")
+            self.assertAlmostEqual(bpy.data.objects["Sleeve"].rumple.mesh.radius, before, 6)
+            bpy.ops.ed.undo()
+        obj = bpy.data.objects["Sleeve"]
+        self.assertAlmostEqual(obj.rumple.mesh.radius, 2 * before, 6)
+        self.assertEqual(obj.location.x, 5.0)
+
     def test_what_belongs_to_a_mesh_is_not_in_it(self) -> None:
         self.assertFalse(saved_settings.OWN & set(saved_settings.values_of(self.obj, bpy.context.scene)))
 

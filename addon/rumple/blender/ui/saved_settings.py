@@ -22,7 +22,7 @@ from .copy_settings import OWN
 _FILE = '''# Settings of a {label} of Rumple. Lengths are metres.
 import bpy
 
-bpy.ops.object.rumple_use_settings(method="{method}", values="""
+bpy.ops.object.rumple_use_settings(method="{method}", values=r"""
 {values}
 """)
 '''
@@ -88,7 +88,7 @@ class OBJECT_OT_rumple_use_settings(ui_base.OnWrinkled, bpy.types.Operator):
 
     bl_idname = "object.rumple_use_settings"
     bl_label = "Use Settings of Wrinkles"
-    bl_options = {"UNDO", "INTERNAL"}
+    bl_options = {"INTERNAL"}
 
     method: bpy.props.StringProperty()
     values: bpy.props.StringProperty()
@@ -104,6 +104,7 @@ class OBJECT_OT_rumple_use_settings(ui_base.OnWrinkled, bpy.types.Operator):
             self.report({"ERROR"}, said(f"{obj.name}: this preset cannot be read: {error}"))
             return {"CANCELLED"}
         properties.apply_values(obj, context.scene, known)
+        bpy.ops.ed.undo_push(message=self.bl_label)  # no operator that a preset's file calls is a step of its own
         if refused:
             self.report({"WARNING"}, said(f"{obj.name}: not known here, and left as they were: {', '.join(refused)}"))
         return {"FINISHED"}
