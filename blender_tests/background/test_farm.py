@@ -10,7 +10,7 @@ import time
 from unittest import mock
 
 import bpy
-from rumple.blender.farm import bake, commands, source
+from rumple.blender.farm import bake, command, commands, source
 from rumple.blender.objects import modifier
 from rumple.core import attached_files, clip_file, clip_folder
 from support import farm_scene, sleeve
@@ -62,6 +62,13 @@ class Bakes(Case):
         self.assertEqual(self.read_all(out), together)
         self.assertEqual(self.run_command(*words, "2-4"), 1)
         self.assertIn("it rests on Sleeve, whose clip has frames 2 to 3 only", self.err)
+
+    def test_frames_below_zero(self) -> None:
+        self.assertEqual(self.run_command("bake", "--frames", "-2--1", "--object", farm_scene.FREE), 0, self.err)
+        self.assertEqual(self.data("bake", "--resume", "--object", farm_scene.FREE, "--frames", "-2-1")["garments"]
+                         [farm_scene.FREE]["samples"], 4)
+        self.assertEqual([command.frames_of(text) for text in ("1-250", "-5-20", "-5--2", "12", "-3")],
+                         [(1, 250), (-5, 20), (-5, -2), (12, 12), (-3, -3)])
 
     def test_words_that_cannot_be_followed(self) -> None:
         for code, said, words in (

@@ -53,6 +53,17 @@ def frames_of(text: str) -> tuple[int, int]:
     return first, last
 
 
+def joined(words: list[str]) -> list[str]:
+    """Where frames begin below 0, argparse takes them for an option, but not behind "="."""
+    found: list[str] = []
+    for word in words:
+        if found and found[-1] == "--frames":
+            found[-1] = f"--frames={word}"
+        else:
+            found.append(word)
+    return found
+
+
 def _whole(text: str) -> int:
     value = int(text)
     if value < 1:
@@ -149,7 +160,7 @@ def _add_poses_arguments(drawn: argparse.ArgumentParser) -> None:
 def main(words: list[str]) -> int:
     """The exit code."""
     try:
-        chosen = parser().parse_args(words)
+        chosen = parser().parse_args(joined(words))
     except Usage as error:
         complain(str(error))
         return commands.USAGE
