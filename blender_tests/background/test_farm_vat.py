@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import unittest
 from pathlib import Path
 from unittest import mock
@@ -73,6 +74,13 @@ class Textures(farm_case.Case):
         self.assertEqual(found["code"], 0, self.err)
         self.stated = found["error"]
         return Path(found["file"])
+
+    def test_the_error_is_said_in_millimetres_of_the_scene(self) -> None:
+        """The object's scale was left out: what came from a program of centimetres was said to be a hundredfold off."""
+        bpy.data.objects[self.NAME].scale = (0.5, 4.0, 0.5)
+        farm_scene.save(self.blend)
+        self.export()
+        self.assertEqual(re.findall(r"at most (\S+) mm off", self.out), [f"{4e3 * self.stated:.2g}"])
 
     def baked(self) -> np.ndarray:
         """(frames, n, 3): of the clip itself."""

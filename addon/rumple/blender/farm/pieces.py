@@ -182,9 +182,9 @@ def _compare(obj: bpy.types.Object, pieces: list[tuple[Path, Manifest]], pre_rol
              say: Say) -> None:
     """The frames that two pieces have. Raises BakeError."""
     found = clip_pieces.seams(pieces)
-    metres = max(obj.matrix_world.to_scale(), key=abs) * bpy.context.scene.unit_settings.scale_length
+    metres = units.most_metres_per_unit(obj, bpy.context.scene)
     for seam in found:
-        apart = abs(metres) * seam.farthest
+        apart = metres * seam.farthest
         if not pre_roll and not seam.same:
             raise BakeError(f"{obj.name}: frame {seam.frame} is another one in piece {seam.number} than in the one "
                             f"before it, by {1e3 * apart:.3g} mm: bake both again, by the same Blender and library")
@@ -194,5 +194,5 @@ def _compare(obj: bpy.types.Object, pieces: list[tuple[Path, Manifest]], pre_rol
                             f"pre-roll than {pre_roll}, or bake it whole")
     if pre_roll and found:
         worst = max(found, key=lambda seam: seam.farthest)
-        say(f"{obj.name}: its pieces are at most {1e3 * abs(metres) * worst.farthest:.3g} mm apart, at frame "
+        say(f"{obj.name}: its pieces are at most {1e3 * metres * worst.farthest:.3g} mm apart, at frame "
             f"{worst.frame}, behind {pre_roll} frames of pre-roll")

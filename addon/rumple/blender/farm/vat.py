@@ -15,6 +15,7 @@ from ...core.clip_manifest import ClipFault, Manifest
 from ...core.vat import STEPS, TOO_FAR, UV_MAP, Layout, Remap, encode_normals, in_place_of, remap_text, way_of
 from .. import compat
 from ..bake.playback import BakeError
+from ..objects import units
 from . import images, shown
 
 KINDS = {"png": ("PNG",), "exr": ("OPEN_EXR",), "both": ("PNG", "OPEN_EXR")}
@@ -60,14 +61,15 @@ def export(context: bpy.types.Context, obj: bpy.types.Object, manifest: Manifest
         clip_folder.discard(temporary)
         if clip is not None:
             bpy.data.meshes.remove(clip.mesh)
-    return shown.Exported(path, count, clip.layout.points, size, _note(clip.layout, error, context.scene),
-                          dict(width=clip.layout.width, height=clip.layout.height, error=error))
+    note = _note(clip.layout, error * units.most_metres_per_unit(obj, context.scene))
+    return shown.Exported(path, count, clip.layout.points, size, note, dict(
+        width=clip.layout.width, height=clip.layout.height, error=error))
 
 
-def _note(layout: Layout, error: float, scene: bpy.types.Scene) -> str:
-    millimetres = 1e3 * error * scene.unit_settings.scale_length
-    advice = " (much for a garment: take OpenEXR, or fewer frames)" if millimetres > 1e3 * TOO_FAR else ""
-    return f", {layout.width} x {layout.height} texels, at most {millimetres:.2g} mm off{advice}"
+def _note(layout: Layout, metres: float) -> str:
+    """metres: the largest error."""
+    advice = " (much for a garment: take OpenEXR, or fewer frames)" if metres > TOO_FAR else ""
+    return f", {layout.width} x {layout.height} texels, at most {1e3 * metres:.2g} mm off{advice}"
 
 
 def _read(context: bpy.types.Context, obj: bpy.types.Object, manifest: Manifest, count: int) -> _Clip:

@@ -55,6 +55,11 @@ def metres_per_unit(obj: bpy.types.Object, scene: bpy.types.Scene) -> float:
     return mean * scene.unit_settings.scale_length
 
 
+def most_metres_per_unit(obj: bpy.types.Object, scene: bpy.types.Scene) -> float:
+    """As its longest axis is shown: no distance in the object is longer in metres."""
+    return max(abs(scale) for scale in obj.matrix_world.to_scale()) * scene.unit_settings.scale_length
+
+
 def plain_scales(obj: bpy.types.Object, scene: bpy.types.Scene) -> tuple:
     """All that metres_per_unit() is made of, as it stands now: it is read in each frame, and hardly ever differs."""
     return (scene.unit_settings.scale_length, *((*one.scale, *one.delta_scale, one.matrix_parent_inverse.median_scale)
