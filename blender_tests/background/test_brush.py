@@ -9,7 +9,7 @@ import unittest
 import bpy
 import numpy as np
 from rumple.blender import compat
-from rumple.blender.brush import operators as brush_operators
+from rumple.blender.brush import canvas as brush_canvas, operators as brush_operators
 from rumple.blender.objects import mesh_reader, runtimes
 from support import sleeve
 
@@ -110,6 +110,21 @@ class Refusals(unittest.TestCase):
         self.assertIn("Object Mode", brush_operators.refusal(obj))
         bpy.ops.object.mode_set(mode="OBJECT")
         self.assertEqual(brush_operators.refusal(obj), "")
+
+
+class Units(unittest.TestCase):
+
+    def test_a_size_that_nobody_gave_is_the_same_in_any_unit(self) -> None:
+        """In a scene of centimetres the patches were of a millimetre."""
+        obj, found = field(), []
+        for unit in (1.0, 1 / 128):
+            obj.scale = bpy.data.objects["Arm"].scale = (1 / unit,) * 3
+            bpy.context.scene.unit_settings.scale_length = unit
+            bpy.context.view_layer.update()
+            self.assertEqual(bpy.ops.object.rumple_scatter(), {"FINISHED"})
+            found.append(brush_canvas.read(obj.data).copy())
+        self.assertTrue(found[0].any())
+        np.testing.assert_allclose(found[1], found[0], atol=1e-4)
 
 
 class Switch(unittest.TestCase):

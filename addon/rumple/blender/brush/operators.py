@@ -28,6 +28,9 @@ _LENGTH = dict(name="Depth", min=0.0, max=LONGEST, default=DEFAULT_LENGTH, subty
                            "width")
 
 
+PATCH = 0.1  # metres, where no size is given
+
+
 class RUMPLE_Brush(bpy.types.PropertyGroup):
     """The brush for rest-pose wrinkles."""
 
@@ -185,8 +188,9 @@ class OBJECT_OT_rumple_scatter(_OnField, bpy.types.Operator):
     seed: bpy.props.IntProperty(name="Seed", default=0, min=0, description="Another seed gives other wrinkles")
     density: bpy.props.FloatProperty(name="Density", default=0.4, min=0.0, max=1.0, subtype="FACTOR",
                                      description="Share of the mesh's points that wrinkle")
-    size: bpy.props.FloatProperty(name="Size", default=0.1, min=0.0001, soft_max=1.0, max=100.0, subtype="DISTANCE",
-                                  unit="LENGTH", description="Of the wrinkled patches, on the rest shape")
+    size: bpy.props.FloatProperty(name="Size", default=PATCH, min=0.0001, soft_max=1.0, max=100.0, subtype="DISTANCE",
+                                  unit="LENGTH", options={"SKIP_SAVE"},
+                                  description="Of the wrinkled patches, on the rest shape")
     length: bpy.props.FloatProperty(**_LENGTH)
 
     def execute(self, context: bpy.types.Context) -> set[str]:
@@ -194,7 +198,10 @@ class OBJECT_OT_rumple_scatter(_OnField, bpy.types.Operator):
         self.rebuild_what_is_due()
         try:
             brush_canvas.read(obj.data)
-            metres = self.size * context.scene.unit_settings.scale_length
+            unit = context.scene.unit_settings.scale_length
+            if not self.properties.is_property_set("size"):
+                self.size = PATCH / unit
+            metres = self.size * unit
             scattered = brush_canvas.canvas_of(obj).easel.scatter(self.seed, self.density, metres, self.length)
         except UserError as error:
             self.report({"ERROR"}, said(str(error)))
