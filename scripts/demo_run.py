@@ -15,6 +15,7 @@ sys.path[:0] = [str(HERE), str(HERE.parent / "addon"), os.environ["RUMPLE_NATIVE
 import rumple  # noqa: E402
 from contact_sheet import compose, frame_camera, studio  # noqa: E402
 from demo_report import Report  # noqa: E402
+from rumple.blender.farm.command import frames_of, joined  # noqa: E402
 
 SHEET_FRAMES = 5
 MOST_FRAMES = 250
@@ -29,10 +30,10 @@ def say(text: str) -> None:
 def arguments() -> argparse.Namespace:
     parser = argparse.ArgumentParser(prog="scripts/demo")
     parser.add_argument("--object")
-    parser.add_argument("--frames")
+    parser.add_argument("--frames", type=frames_of)
     parser.add_argument("--method", type=str.upper, choices=("MESH", "FIELD", "PATHS"), default="MESH")
     parser.add_argument("--out", type=Path, required=True)
-    return parser.parse_args(sys.argv[sys.argv.index("--") + 1:])
+    return parser.parse_args(joined(sys.argv[sys.argv.index("--") + 1:]))
 
 
 def find_garments(name: str | None) -> list[bpy.types.Object]:
@@ -50,12 +51,14 @@ def find_garments(name: str | None) -> list[bpy.types.Object]:
     return [garment]
 
 
-def frame_range(text: str | None) -> range:
+def frame_range(chosen: tuple[int, int] | None) -> range:
+    """First and last, else those of the scene."""
     scene = bpy.context.scene
-    first, last = scene.frame_start, scene.frame_end
-    if text:
-        first, last = (int(part) for part in text.split("-"))
-    return range(first, min(last, first + MOST_FRAMES - 1) + 1)
+    first, last = chosen or (scene.frame_start, scene.frame_end)
+    if last - first >= MOST_FRAMES:
+        say(f"of the frames {first}-{last} the first {MOST_FRAMES} are shown: give --frames for others")
+        last = first + MOST_FRAMES - 1
+    return range(first, last + 1)
 
 
 def add_wrinkles(garment: bpy.types.Object, method: str) -> bpy.types.Modifier:
@@ -136,15 +139,16 @@ def main() -> None:
     options = arguments()
     out = options.out.resolve()
     out.mkdir(parents=True, exist_ok=True)
-    (out / "report.json").unlink(missing_ok=True)
     rumple.register()
     garments = find_garments(options.object)
     frames = frame_range(options.frames)
-    bpy.context.scene.frame_start = frames[0]
+    start, bpy.context.scene.frame_start = bpy.context.scene.frame_start, frames[0]
     wrinkles = [add_wrinkles(garment, options.method) for garment in garments]
     report = play(garments[-1], frames)
     bpy.context.scene.frame_set(frames[0])
+    bpy.context.scene.frame_start = start
     bpy.ops.wm.save_as_mainfile(filepath=str(out / "wrinkled.blend"))
+    bpy.context.scene.frame_start = frames[0]
     studio(bpy.context.scene)
     if options.object is not None:
         frame_camera(garments[-1], frames)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+import tempfile
 import unittest
 from pathlib import Path
 from unittest import mock
@@ -16,6 +17,8 @@ from rumple.blender.objects import bodies
 from support import sleeve
 
 SCRIPTS = Path(__file__).resolve().parents[2] / "scripts"
+if str(SCRIPTS) not in sys.path:
+    sys.path.insert(0, str(SCRIPTS))
 CROUCH = 48
 THROUGH = 0.002  # metres
 MOST_THROUGH = 0.01  # share of the shown points; the bare trousers have 0.013 of theirs in the crouch
@@ -25,8 +28,6 @@ class Demo(unittest.TestCase):
 
     @classmethod
     def setUpClass(cls) -> None:
-        if str(SCRIPTS) not in sys.path:
-            sys.path.insert(0, str(SCRIPTS))
         import demo_scene
         build = demo_scene.demo_body.build_body
         with sleeve.context(), mock.patch.object(demo_scene.demo_body, "build_body", lambda _spacing: build(0.012)):
@@ -53,6 +54,32 @@ class Demo(unittest.TestCase):
         deep = [(place - nearest).dot(normal) < -THROUGH
                 for place, (nearest, normal, _, _) in ((p, skin.find_nearest(p)) for p in map(Vector, shown.tolist()))]
         self.assertLess(np.mean(deep), MOST_THROUGH)
+
+
+class Run(unittest.TestCase):
+
+    def test_the_frames_that_are_asked_for(self) -> None:
+        """1-400 was cut without a word, "12" and "-5-20" ended in a traceback, and wrinkled.blend had another Start."""
+        import demo_run
+        seen, said = [], mock.Mock()
+        nothing = {name: mock.DEFAULT for name in ("find_garments", "add_wrinkles", "studio", "render_sheet",
+                                                   "render_clip")}
+
+        def play(_garment: object, frames: range) -> mock.Mock:
+            seen.append((bpy.context.scene.frame_start, frames))
+            return mock.MagicMock()
+        with tempfile.TemporaryDirectory() as folder, mock.patch.multiple(demo_run, **nothing), \
+                mock.patch.object(demo_run, "play", play), mock.patch.object(demo_run, "say", said), \
+                mock.patch.object(demo_run.rumple, "register"):
+            for text in ("12", "-5-20", "7-400"):
+                sleeve.empty_file()
+                with mock.patch.object(sys, "argv", ["--", "--out", folder, "--frames", text]):
+                    demo_run.main()
+                bpy.ops.wm.open_mainfile(filepath=f"{folder}/wrinkled.blend")
+                self.assertEqual(bpy.context.scene.frame_start, 1)
+        # Blender has no Start below 0.
+        self.assertEqual(seen, [(12, range(12, 13)), (0, range(-5, 21)), (7, range(7, 257))])
+        self.assertIn("of the frames 7-400 the first 250 are shown", str(said.mock_calls))
 
 
 if __name__ == "__main__":

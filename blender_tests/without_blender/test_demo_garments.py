@@ -2,7 +2,10 @@
 """The garments that the demo is made of: closed but for their openings, faces outward, clear of the body."""
 from __future__ import annotations
 
+import shutil
+import subprocess
 import sys
+import tempfile
 import unittest
 from collections import Counter
 from pathlib import Path
@@ -15,6 +18,24 @@ if str(SCRIPTS) not in sys.path:
 import demo_body  # noqa: E402
 import demo_shirt  # noqa: E402
 import demo_trousers  # noqa: E402
+
+
+class Script(unittest.TestCase):
+
+    def test_a_report_of_an_older_run_is_no_success(self) -> None:
+        """Where Blender did not even start, the demo ended well."""
+        with tempfile.TemporaryDirectory() as folder:
+            scripts, out = Path(folder, "scripts"), Path(folder, "out")
+            for made in (scripts, out):
+                made.mkdir()
+            for name in ("demo", "lib.sh"):
+                shutil.copy(SCRIPTS / name, scripts)
+            for name in ("install", "build"):
+                (scripts / name).symlink_to("/bin/true")
+            (out / "report.json").write_text("{}")
+            done = subprocess.run([str(scripts / "demo"), "--out", str(out), "--blender", "false"], capture_output=True)
+            self.assertEqual(done.returncode, 1, done)
+            self.assertIn(b"no report was made", done.stderr)
 
 
 class Garment:
