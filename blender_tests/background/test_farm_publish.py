@@ -8,7 +8,7 @@ from typing import Any, Callable
 from unittest import mock
 
 import bpy
-from rumple.blender.farm import alembic, commands
+from rumple.blender.farm import alembic, commands, poses, verify
 from rumple.core import usd_text
 from support import farm_case, farm_scene
 
@@ -61,6 +61,19 @@ class Publish(farm_case.Case):
             self.assertEqual(self.run_command("publish", "--object", farm_scene.INNER), 1)
         self.assertIn("is full: make room", self.err)
         self.assertEqual(list((self.folder / "publish").iterdir()), [])
+
+    def test_what_nobody_foresaw_is_said_and_the_others_go_on(self) -> None:
+        """It ended the command, with a traceback and without a word of the others."""
+        self.run_command("bake")
+        with mock.patch.object(usd_text.StageWriter, "_sample", side_effect=KeyError("a")):
+            self.assertEqual(self.run_command("publish"), 1)
+        self.assertEqual(self.err.count("FAILED: KeyError: 'a'"), 3)
+        with mock.patch.object(verify, "verify", side_effect=OSError(13, "", "clips/a")):
+            self.assertEqual(self.run_command("bake", "--verify"), 1)
+        self.assertEqual(self.err.count("FAILED: nothing can be written to clips/a: change its permissions"), 3)
+        with mock.patch.object(poses, "make", side_effect=KeyError("b")):
+            self.assertEqual(self.run_command("poses", "--count", "1", "--object", farm_scene.FREE), 1)
+        self.assertIn("FAILED: KeyError: 'b'", self.err)
 
     def test_a_hidden_garment_is_refused(self) -> None:
         """It was published as its bare mesh, which stood still."""

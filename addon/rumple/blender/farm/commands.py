@@ -108,24 +108,23 @@ def _bake_one(obj: bpy.types.Object, files: str, options: bake.Options, say: Say
             done = pieces.join(obj, files, options, say)
         else:
             done = bake.bake(bpy.context, obj, files, options, say)
-    except Held as error:
-        return dict(code=HELD, error=_bare(obj, error))
-    except bake.Ended:
-        return dict(code=ENDED, error="ended by SIGTERM; what is solved so far is kept for --resume")
-    except (BakeError, ClipFault) as error:
-        return dict(code=FAILED, error=_bare(obj, error))
-    except OSError as error:
-        return dict(code=FAILED, error=in_words(error, Path(obj.rumple.bake_folder or clip_place.FOLDER)))
-    except Exception as error:  # nothing that is known; the others go on all the same
-        return dict(code=FAILED, error=f"{type(error).__name__}: {error}")
+    except Exception as error:
+        return _failed(obj, error)
     say(done.in_words(obj.name))
     return dict(code=DONE, clip=str(done.path), samples=done.samples, seconds=round(done.seconds, 3), bytes=done.bytes,
                 resumed=done.resumed, passed=done.passed, was_whole=done.was_whole, checksum=done.checksum)
 
 
-def _bare(obj: bpy.types.Object, error: Exception) -> str:
-    """Without the name that many messages begin with."""
-    return str(error).removeprefix(f"{obj.name}: ")
+def _failed(obj: bpy.types.Object, error: Exception) -> dict[str, Any]:
+    """What became of it. Also by what nobody foresaw: the others go on all the same."""
+    if isinstance(error, bake.Ended):
+        return dict(code=ENDED, error="ended by SIGTERM; what is solved so far is kept for --resume")
+    if isinstance(error, (BakeError, ClipFault)):  # many begin with the name
+        return dict(code=HELD if isinstance(error, Held) else FAILED, error=str(error).removeprefix(f"{obj.name}: "))
+    if isinstance(error, OSError):
+        return dict(code=FAILED, error=in_words(error, Path(
+            error.filename or obj.rumple.bake_folder or clip_place.FOLDER)))
+    return dict(code=FAILED, error=f"{type(error).__name__}: {error}")
 
 
 # ---------------------------------------------------------------- the others
@@ -137,9 +136,9 @@ def verify_all(garments: list[bpy.types.Object], most: int, say: Say, complain: 
         try:
             bake.show_needed(obj, files, all_frames=False)
             found = verify.verify(bpy.context, obj, most)
-        except (BakeError, ClipFault) as error:
-            results[obj.name] = dict(code=FAILED, error=_bare(obj, error))
-            complain(f"{obj.name} FAILED: {_bare(obj, error)}")
+        except Exception as error:
+            results[obj.name] = _failed(obj, error)
+            complain(f"{obj.name} FAILED: {results[obj.name]['error']}")
             continue
         results[obj.name] = dict(code=DONE if found.frame is None else DIFFERS, compared=found.compared,
                                  frame=found.frame, farthest=found.farthest, damaged=found.damaged)
@@ -182,9 +181,9 @@ def export_all(garments: list[bpy.types.Object], export: Callable[[bpy.types.Obj
         try:
             bake.show_needed(obj, files, all_frames=False)
             done = export(obj, shown.whole_clip(obj, files))
-        except (BakeError, ClipFault) as error:
-            results[obj.name] = dict(code=FAILED, error=_bare(obj, error))
-            complain(f"{obj.name} FAILED: {_bare(obj, error)}")
+        except Exception as error:
+            results[obj.name] = _failed(obj, error)
+            complain(f"{obj.name} FAILED: {results[obj.name]['error']}")
             continue
         seconds = time.perf_counter() - started
         results[obj.name] = dict(code=DONE, file=str(done.path), frames=done.frames, vertices=done.vertices,
@@ -208,9 +207,10 @@ def make_poses(obj: bpy.types.Object, options: poses.Options, folder: Path, comp
     except bake.Ended:
         complain(f"{obj.name}: ended by SIGTERM; whole blocks are kept for --resume")
         return Outcome(ENDED, dict(code=ENDED))
-    except (BakeError, ClipFault) as error:
-        complain(f"{obj.name} FAILED: {_bare(obj, error)}")
-        return Outcome(FAILED, dict(code=FAILED, error=_bare(obj, error)))
+    except Exception as error:
+        failed = _failed(obj, error)
+        complain(f"{obj.name} FAILED: {failed['error']}")
+        return Outcome(failed["code"], failed)
     finally:
         if solver is not None:
             solver.close()
