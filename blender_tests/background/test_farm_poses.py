@@ -59,6 +59,11 @@ class SetCase(farm_case.Case):
 
 class Sets(SetCase):
 
+    def test_the_manifest_says_what_the_arrays_are(self) -> None:
+        """Numbers and frames were said to be float32, and are not."""
+        self.assertEqual(self.make("--count", "2"), 0, self.err)
+        self.assertEqual(self.about()["numbers"], {name: str(array.dtype) for name, array in self.blocks().items()})
+
     def test_the_same_seed_has_the_same_bytes_and_another_one_other_poses(self) -> None:
         self.assertEqual(self.make("--count", "6", "--seed", "5"), 0, self.err)
         self.assertEqual(sorted(path.name for path in self.set.iterdir()),

@@ -24,7 +24,7 @@ from . import clip_folder
 from .clip_manifest import ClipFault
 
 BLOCK = 256  # poses of a file
-FORMAT = 1
+FORMAT = 2
 MANIFEST = "manifest.json"
 
 
@@ -78,7 +78,8 @@ class PoseSet:
                   "coarse": ["poses", self.coarse, 3], "fine": ["poses", self.fine, 3]}
         return json.dumps(dict(
             format=FORMAT, **{**asdict(self), "ranges": [asdict(one) for one in self.ranges]}, block=BLOCK,
-            blocks=[self.block_name(number) for number in range(self.blocks)], arrays=arrays, numbers="float32",
+            blocks=[self.block_name(number) for number in range(self.blocks)], arrays=arrays,
+            numbers={name: array.dtype.name for name, array in empty_block(self, 0).items()},
             space="of the object; z up. pose: from rest-pose bone space to object space, column vectors",
             history="none: each pose is solved by itself, from the canonical start, as a still picture"),
             indent=1) + "\n"

@@ -57,9 +57,9 @@ class Solver:
         self.context, self.obj, self.options = context, obj, options
         scene = context.scene
         self.first, self.last = options.frames or (scene.frame_start, scene.frame_end)
+        properties.group_of(obj).stateless = True
         _refuse(obj, scene)
         digest = source.of_garment(obj, files)
-        properties.group_of(obj).stateless = True
         self.playback = Playback(context, obj, self.first, self.first, 1)
         try:
             self.playback.solve_sample(0)
@@ -129,7 +129,6 @@ def _refuse(obj: bpy.types.Object, scene: bpy.types.Scene) -> None:
     if over:
         raise BakeError(f"{obj.name}: it rests on {over[0]}, which is wrinkled itself: a pose alone does not say where "
                         "that one is. Take its body instead")
-    properties.group_of(obj).stateless = True
     if not clip_status.is_independent(obj, scene):
         raise BakeError(f"{obj.name}: a simulation above the wrinkles needs the frames before, and poses have "
                         "none")
