@@ -6,7 +6,9 @@ from __future__ import annotations
 import json
 import os
 import shutil
+import sys
 import time
+from pathlib import Path
 from unittest import mock
 
 import bpy
@@ -196,8 +198,11 @@ class Locked(Case):
 
     def test_a_lock_that_nobody_holds_is_taken_over(self) -> None:
         old = time.time() - 601.0
-        for holder, touched in ((dict(process=1 << 29), None), (dict(started="long ago"), None),
-                                (dict(host="node_7"), old), (dict(host="node_7", task="slurm 12_3"), None)):
+        holders = [(dict(process=1 << 29), None), (dict(started="long ago"), None), (dict(host="node_7"), old),
+                   (dict(host="node_7", task="slurm 12_3"), None)]
+        if sys.platform == "linux" and not Path("/proc/self/stat").exists():  # else nothing tells when it started
+            del holders[1]
+        for holder, touched in holders:
             self.hold(**holder)
             if touched is not None:
                 os.utime(self.lock, (touched, touched))

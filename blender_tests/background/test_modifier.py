@@ -63,6 +63,21 @@ class Stack(unittest.TestCase):
         self.assertEqual(sleeve.names(obj.vertex_groups), ["lower", "upper"])
         self.assertEqual([m.name for m in obj.data.materials], ["Outside", "Cuff"])
 
+    def test_applying_under_an_armature_that_is_the_parent(self) -> None:
+        """It was deformed twice, and stood two metres away."""
+        obj = sleeve.scene(wrinkles=False)
+        obj.modifiers.remove(obj.modifiers["Armature"])
+        obj.parent, obj.parent_type = bpy.data.objects["Arm"], "ARMATURE"
+        bpy.context.view_layer.update()
+        obj.rumple.mesh.display_steps = 0
+        bpy.ops.object.rumple_add(method="MESH")
+        sleeve.at(15)
+        seen = sleeve.shown(obj)
+        bpy.ops.object.rumple_apply()
+        sleeve.at(15)
+        np.testing.assert_array_equal(sleeve.shown(obj), seen)
+        self.assertEqual(obj.parent.name, "Arm")
+
     def test_applying_with_shape_keys(self) -> None:
         obj = sleeve.scene(wrinkles=False)
         obj.shape_key_add(name="Basis")

@@ -22,8 +22,7 @@ def shape_key_object(context: bpy.types.Context, obj: bpy.types.Object, shapes: 
     last = list(copy.modifiers).index(modifier.find(copy))
     for name in [m.name for m in copy.modifiers][:last + 1]:
         copy.modifiers.remove(copy.modifiers[name])
-    if copy.parent_type in ("ARMATURE", "LATTICE"):  # it deforms, and is in the shapes already
-        copy.parent_type = "OBJECT"
+    modifier.keep_parent_without_deforming(copy)
     copy.data = mesh
     copy.rumple.method = "NONE"
     rebuild.drop_internal_attributes(copy)

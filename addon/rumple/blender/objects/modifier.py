@@ -107,6 +107,12 @@ def depends_on_wrinkled(obj: bpy.types.Object) -> bpy.types.Object | None:
     return depends_on(obj, [other for other, _ in wrinkled_objects() if other != obj])
 
 
+def keep_parent_without_deforming(obj: bpy.types.Object) -> None:
+    """Of an object whose mesh has been made what its parent, an armature or a lattice, makes of it."""
+    if obj.parent_type in ("ARMATURE", "LATTICE"):
+        obj.parent_type = "OBJECT"
+
+
 def place_behind_deforming(obj: bpy.types.Object) -> int:
     """Index behind the last modifier that deforms or simulates: in front of Subdivision and Solidify, and of what
     finishes a posed mesh behind these. Behind Multires, which Blender from 4.3 on lets nothing be put in front of; and

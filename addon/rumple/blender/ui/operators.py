@@ -313,6 +313,7 @@ class OBJECT_OT_rumple_apply(ui_base.OnWrinkled, bpy.types.Operator):
         before = list(obj.modifiers)[:list(obj.modifiers).index(modifier.find(obj))]
         for name in [m.name for m in before]:
             obj.modifiers.remove(obj.modifiers[name])
+        modifier.keep_parent_without_deforming(obj)
         former = obj.data
         if former.shape_keys is not None and former.users == 1:
             obj.shape_key_clear()
