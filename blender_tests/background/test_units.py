@@ -6,9 +6,10 @@ import unittest
 
 import bpy
 import numpy as np
+from mathutils import Matrix
 from rumple.blender import compat, scheduler
 from rumple.blender.nodes import wrinkle_tree
-from rumple.blender.objects import incoming_mesh, mesh_reader, runtimes, units
+from rumple.blender.objects import bodies, incoming_mesh, mesh_reader, runtimes, units
 from support import sleeve
 
 
@@ -74,8 +75,8 @@ class Applied(unittest.TestCase):
         bpy.context.view_layer.update()
         self.map = np.array(self.obj.matrix_world)
 
-    def apply(self) -> None:
-        sleeve.make_active(self.obj)
+    def apply(self, obj: bpy.types.Object | None = None) -> None:
+        sleeve.make_active(obj or self.obj)
         bpy.ops.object.transform_apply(location=True, rotation=True, scale=True)
         for _ in range(2):
             bpy.context.view_layer.update()
@@ -103,6 +104,27 @@ class Applied(unittest.TestCase):
                 np.testing.assert_allclose(self.vectors(wrinkle_tree.REST_POSITION), after, atol=2e-4)
                 bpy.ops.object.rumple_remove()
                 self.assertNotIn(wrinkle_tree.REST_BASIS, self.obj.data.attributes)
+
+    def test_a_mirrored_body_is_outside_where_it_was(self) -> None:
+        """Blender 3.4 and 4.3 leave it inside out. Cloth took the inside for the outside until the file was opened."""
+        obj = self.obj = sleeve.scene(wrinkles=False)
+        obj.rumple.mesh.property_unset("base_cloth")
+        body = sleeve.under(obj)
+        body.modifiers.clear()
+        body.data.transform(Matrix.Diagonal((1.0, -1.0, 1.0, 1.0)))
+        body.scale.y = -1.0
+        sleeve.make_active(obj)
+        bpy.ops.object.rumple_add(method="MESH")
+        obj.rumple.body = body
+        shown = []
+        for change in (lambda: None, lambda: self.apply(body), lambda: (bodies.forget_all(), runtimes.forget(obj))):
+            change()
+            scheduler.sync_all()
+            for frame in (7, 1, 8):
+                sleeve.at(frame)
+            shown.append(sleeve.shown(obj))
+        np.testing.assert_array_equal(shown[1], shown[2])
+        np.testing.assert_allclose(shown[1], shown[0], atol=2e-3)
 
     def test_painted_waves_go_along(self) -> None:
         bpy.ops.object.rumple_add(method="FIELD")

@@ -280,6 +280,15 @@ def _joined_triangles(key: ByDepsgraph, surfaces: list[Body]) -> _Joined:
     return kept
 
 
+def note_updates(garment: bpy.types.Object, touched: set[int]) -> None:
+    """Forget which way an edited body faces: applying a negative scale turns it inside out, and leaves its
+    connections. touched: session keys of what an update changed."""
+    for body in of(garment):
+        if body.type == "MESH" and compat.session_key(body.data) in touched:
+            for key in [key for key in _triangulated if key[0] == compat.session_key(body)]:
+                del _triangulated[key]
+
+
 def _triangles(body: bpy.types.Object, mesh: bpy.types.Mesh, mode: str) -> np.ndarray:
     """(t, 3) int32 vertices, kept as long as the connections stay: how a frame bends a polygon does not count.
 

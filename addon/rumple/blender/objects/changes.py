@@ -46,6 +46,7 @@ def note_updates(depsgraph: bpy.types.Depsgraph) -> None:
                 continue
             if not scheduler.playing():
                 guide_curves.note_updates(obj, touched)
+            bodies.note_updates(obj, touched)
             own = obj.rumple.own_mesh
             edited = compat.session_key(obj.data) in touched
             edited = edited or _restacked(obj, runtime, touched)
