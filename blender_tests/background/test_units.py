@@ -120,11 +120,9 @@ class Applied(unittest.TestCase):
         for change in (lambda: None, lambda: self.apply(body), lambda: (bodies.forget_all(), runtimes.forget(obj))):
             change()
             scheduler.sync_all()
-            for frame in (7, 1, 8):
-                sleeve.at(frame)
+            sleeve.play(1, 8)
             shown.append(sleeve.shown(obj))
         np.testing.assert_array_equal(shown[1], shown[2])
-        np.testing.assert_allclose(shown[1], shown[0], atol=2e-3)
 
     def test_painted_waves_go_along(self) -> None:
         bpy.ops.object.rumple_add(method="FIELD")
