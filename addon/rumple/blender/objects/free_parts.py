@@ -14,7 +14,7 @@ from ...core import hangs_free, transforms
 from ...core.cloth import size_factor
 from ...core.triangles import at_border
 from .. import compat
-from . import bodies, body_search, mesh_reader, painted_maps, properties
+from . import bodies, body_search, cloth_defaults, mesh_reader, painted_maps, properties
 
 FARTHEST = 0.3  # metres, of a garment that an adult wears: what is farther does not tell
 UNDER = 0.5  # cosine between the inner side of the cloth and the way to the body, at least: it lies below, not beside
@@ -34,6 +34,17 @@ class _Surface(NamedTuple):
         return cls(tree or body_search.tree_of(obj), at_border(body_search.triangles_of(obj)))
 
 
+def give_room(obj: bpy.types.Object, scene: bpy.types.Scene, worn_over: body_search.WornOver, is_set: bool) -> None:
+    """To what hangs free of the body; to all of a skirt or a cape where it is not known what is below it, unless the
+    artist has set its room."""
+    settings = properties.group_of(obj)
+    if settings.base_cloth == "OFF":
+        return
+    sheet = cloth_defaults.is_sheet(obj, worn_over.body)
+    if not paint(obj, scene, worn_over.trees, sheet) and not is_set and (sheet or cloth_defaults.is_skirt(obj)):
+        settings.room = settings.free_room
+
+
 def paint(obj: bpy.types.Object, scene: bpy.types.Scene, trees: dict[bpy.types.Object, BVHTree],
           sheet: bool) -> bool:
     """Paint Hangs Free where the cloth of an object is away from all that it is worn over; on a sheet, as a cape is,
@@ -43,7 +54,7 @@ def paint(obj: bpy.types.Object, scene: bpy.types.Scene, trees: dict[bpy.types.O
     painted, settings = painted_maps.find(obj, hangs_free.FREE), properties.group_of(obj)
     if painted is None or painted.exists:
         return painted is not None
-    if settings.base_cloth == "OFF" or settings.room >= settings.free_room:
+    if settings.room >= settings.free_room:
         return False
     if not compat.is_editable(obj) or not compat.is_editable(obj.data):
         return False

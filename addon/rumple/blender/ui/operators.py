@@ -150,11 +150,7 @@ class OBJECT_OT_rumple_add(bpy.types.Operator):
             cloth_defaults.apply(obj, context.scene, lengths, worn_over.body)
         if cloth_defaults.is_cloth(obj):
             self._set_bodies(obj, worn_over)
-            sheet = cloth_defaults.is_sheet(obj, worn_over.body)
-            if not free_parts.paint(obj, context.scene, worn_over.trees, sheet) and "room" in lengths and (
-                    sheet or cloth_defaults.is_skirt(obj)):
-                settings = properties.group_of(obj)
-                settings.room = settings.free_room  # what is below it is not known: all of it has room
+            free_parts.give_room(obj, context.scene, worn_over, "room" not in lengths)
         self._adjust(context, obj)
         if cloth_defaults.is_cloth(obj) or worn_over.body is None or properties.group_of(obj).is_property_set(
                 "base_cloth"):
