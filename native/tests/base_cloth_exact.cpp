@@ -188,6 +188,14 @@ TEST(BaseClothExact, AHangingStripStretchesByTheWeightBelow) {
     EXPECT_NEAR(area / 3.0 * sunk[0] + area / 6.0 * sunk[1], expected, 0.01 * expected);
 }
 
+// d (1 + 15 (d / R)^4) = g / F.
+double sunk(double gravity_over_follow, double room) {
+    double d = 0.0;
+    for (int i = 0; i < 400; ++i)
+        d += 0.1 * (gravity_over_follow - d * (1.0 + 15.0 * std::pow(d / room, 4.0)));
+    return d;
+}
+
 // Every vertex alike: gravity against the pull back, that grows towards the edge of the room.
 TEST(BaseClothExact, AFloatingSheetSinksByGravityOverFollow) {
     const MeshData mesh = grid(5, 4, 0.05f);
@@ -198,8 +206,7 @@ TEST(BaseClothExact, AFloatingSheetSinksByGravityOverFollow) {
     s.room = 0.1f;
     s.follow = 120.0f;
     const Result result = garment.solve(s, mesh.positions);
-    double d = 9.81 / s.follow;  // d (1 + 15 (d / R)^4) = g / F
-    for (int i = 0; i < 200; ++i) d += 0.2 * (9.81 / s.follow - d * (1.0 + 15.0 * std::pow(d / s.room, 4.0)));
+    const double d = sunk(9.81 / s.follow, s.room);
     for (size_t v = 0; v < mesh.positions.size(); ++v)
         EXPECT_LT(glm::distance(result.positions[v], mesh.positions[v] - Vec3(0, 0, d)), 2e-5f);
 }
@@ -215,9 +222,7 @@ TEST(BaseClothExact, WhatHangsFreeSinksFarther) {
     Paint paint;
     paint.room.assign(mesh.positions.size(), 4.0f);
     const Result result = garment.solve(s, mesh.positions, nullptr, paint);
-    const double pull = 4.0 * 9.81 / s.follow;
-    double d = 0.0;
-    for (int i = 0; i < 400; ++i) d += 0.1 * (pull - d * (1.0 + 15.0 * std::pow(d / 0.4, 4.0)));
+    const double d = sunk(4.0 * 9.81 / s.follow, 4.0 * s.room);
     EXPECT_GT(d, 0.15);
     for (size_t v = 0; v < mesh.positions.size(); ++v)
         EXPECT_LT(glm::distance(result.positions[v], mesh.positions[v] - Vec3(0, 0, d)), 5e-5f);

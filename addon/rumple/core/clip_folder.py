@@ -20,14 +20,14 @@ from .clip_manifest import ClipFault
 _LONGEST_PATH = 240  # letters that every program may use on Windows: 260, without those of temporary names
 _AWAY = (55, 59, 64, 121, 1231)  # what Windows says of a share that is away, and Python has no other number for
 LONGEST = 60  # letters of a file's or an object's name in the name of a clip
-_OUTSIDE = "pid:[4026531836]"  # what Linux always calls the numbers of processes that no container has
+_OUTSIDE = "pid:[4026531836]"  # the first PID namespace of Linux, which is that of no container
 _DEVICE = re.compile(r"con|prn|aux|nul|(com|lpt)\d", re.IGNORECASE)
 _PART = re.compile(r"\..+\.(?P<host>[A-Za-z0-9_]+)\.(?P<process>\d+)-\d+\.part")
 _numbers = itertools.count()
 
 
 def _host() -> str:
-    """Where a process has its number. Two containers may have one name, and numbers of their own."""
+    """The name of the host and, in a container, its PID namespace: containers may share the name of their host."""
     # Not platform.node(): Windows is slow to tell it.
     name = re.sub(r"[^A-Za-z0-9]", "_", socket.gethostname()) or "host"
     try:

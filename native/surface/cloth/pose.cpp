@@ -48,8 +48,8 @@ float share_of_curvature(const Settings& settings, float curvature) {
     return std::max(tight * tight * tight * tight, settings.flat_share);
 }
 
-// How many times the room of other cloth each vertex has that hangs free; 1 of other cloth.
-std::vector<float> find_freedom(const Model& model, const Paint& paint) {
+// How many times the room of other cloth a vertex has that hangs free; 1 of other cloth.
+std::vector<float> find_room_factors(const Model& model, const Paint& paint) {
     std::vector<float> out;
     for (const Index v : model.surface.representative)
         out.push_back(std::max(painted(paint.room, v, 1.0f), 1.0f));
@@ -59,9 +59,9 @@ std::vector<float> find_freedom(const Model& model, const Paint& paint) {
 // How far below what hangs free an inner surface may lie: by its room, but within its tubes. 0 of other
 // cloth.
 std::vector<float> find_free_depth(const Model& model, const Settings& settings,
-                                   std::span<const float> freedom) {
+                                   std::span<const float> room_factor) {
     std::vector<float> out;
-    for (const float factor : freedom) out.push_back(factor > 1.0f ? factor * settings.room : 0.0f);
+    for (const float factor : room_factor) out.push_back(factor > 1.0f ? factor * settings.room : 0.0f);
     for (const Model::Spring& spring : model.springs) {
         const float within = kWithinTube / std::max(spring.curvature, kZeroCurvature);
         for (const Index v : {spring.a, spring.b}) out[v] = std::min(out[v], within);
@@ -289,7 +289,7 @@ Pose make_pose(const Model& model, const Settings& settings, const Paint& paint,
     const Surface& surface = model.surface;
     check_frame(surface, positions);
     const size_t vertices = surface.welded.vertex_count;
-    const std::vector<float> freedom = find_freedom(model, paint);
+    const std::vector<float> room_factor = find_room_factors(model, paint);
     Pose pose;
     pose.animated.resize(vertices);
     weld_positions(surface, positions, pose.animated);
@@ -301,13 +301,13 @@ Pose make_pose(const Model& model, const Settings& settings, const Paint& paint,
                                  ? TriangleFrame{}
                                  : tangent_frame(pose.normal[v], pose.animated[to] - pose.animated[v]));
         const float pinned = painted(paint.follow, surface.representative[v], 0.0f);
-        const float follow = settings.follow / freedom[v];  // as strong at the end of its room
+        const float follow = settings.follow / room_factor[v];  // as strong at the end of its room
         pose.follow.push_back(follow + (kPinned - follow) * pinned * pinned * pinned);
     }
     std::vector<Vec3> smooth(vertices);
     apply<Vec3>(model.limit, pose.animated, smooth);
     Clearance found = clearance(model.clearance, settings.clearance, smooth, pose.normal,
-                                find_free_depth(model, settings, freedom), bodies, body_hint);
+                                find_free_depth(model, settings, room_factor), bodies, body_hint);
     place_room(model, settings, paint, bodies, found.bodies, smooth, pose);
     pose.clearance = std::move(found.inwards);
     pose.body_known = found.known;
@@ -322,7 +322,7 @@ Pose make_pose(const Model& model, const Settings& settings, const Paint& paint,
         const Vec3 along = pose.animated[spring.b] - pose.animated[spring.a];
         pose.length.push_back(glm::length(along));
         pose.cut.push_back(slack_along(settings, along) * spring.rest);
-        const float loose = std::min(freedom[spring.a], freedom[spring.b]);
+        const float loose = std::min(room_factor[spring.a], room_factor[spring.b]);
         pose.firmness.push_back(share_of_curvature(settings, spring.curvature) / std::sqrt(loose));
     }
     pose.cut.resize(in_fours(pose.cut.size()));
