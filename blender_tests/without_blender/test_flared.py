@@ -91,7 +91,8 @@ class Sheets(unittest.TestCase):
         deep = sheet_of(1.0, 1.0, 1.2)
         self.assertFalse(is_sheet(deep, self.PERSON))
         self.assertFalse(is_sheet(sheet_of(0.25, 0.3), self.PERSON))
-        self.assertFalse(is_sheet(cone(0.13, 0.3), self.PERSON))
+        for clothes in (cone(0.13, 0.3), tube(24, 8, 0.3, 0.2)):
+            self.assertFalse(is_sheet(clothes, self.PERSON))
         self.assertFalse(is_sheet(together(*[sheet_of(0.03, 0.6)] * 3), self.PERSON))
         self.assertFalse(is_sheet(replace(deep, positions=np.zeros_like(deep.positions)), self.PERSON))
 
@@ -101,6 +102,8 @@ class Sheets(unittest.TestCase):
         self.assertEqual(free[-9:].max(), 0.0)
         self.assertEqual(free[:45].min(), 1.0)
         self.assertTrue((np.diff(free[::9]) <= 0.0).all())
+        near = np.array([(0.0, 0.0, 1.0), (0.0, 0.0, 0.93), (1.0, 0.0, 0.0)])  # at 5 % of the diagonal
+        np.testing.assert_array_equal(share_of_sheet(near), [0.0, 0.0, 1.0])
 
 
 if __name__ == "__main__":
