@@ -76,6 +76,7 @@ class Stacks(unittest.TestCase):
         return stack_notes.of(self.obj)
 
     def test_a_garment_is_healed_once_and_where_no_thread_is_left_it_is_built_all_the_same(self) -> None:
+        self.obj.rumple.mesh.property_unset("base_cloth")  # the click looks whether it is a garment, and then builds
         with mock.patch.object(threading.Thread, "start", side_effect=RuntimeError("can't start new thread")), \
                 mock.patch.object(kernels, "heal_mesh", wraps=kernels.heal_mesh) as heal_mesh:
             heal_mesh.__name__ = "heal_mesh"
