@@ -153,6 +153,21 @@ class Guides(unittest.TestCase):
         update()
         np.testing.assert_allclose(sleeve.shown(obj), before, atol=1e-6)
 
+    def test_they_are_scaled_with_the_skeleton(self) -> None:
+        """They lay at the size at rest, beside the garment."""
+        shown = []
+        for by_bone in (False, True):
+            obj = folded()
+            guided(obj)
+            rig = bpy.data.objects["Arm"]
+            for scaled in (rig.pose.bones["upper"],) if by_bone else (rig, obj):
+                scaled.scale = (2.0, 2.0, 2.0)
+            scheduler.sync_all()
+            settle(obj)
+            shown.append(sleeve.shown(obj) * obj.scale.x)
+        self.assertGreater(np.abs(np.linalg.norm(shown[0][:, 1:], axis=1) - 2.0 * sleeve.RADIUS).max(), 0.005)
+        np.testing.assert_allclose(*shown, atol=1e-5)
+
     def test_seams_pucker(self) -> None:
         obj = folded()
         bare = sleeve.shown(obj).copy()

@@ -1,16 +1,17 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The scale of an object, which says how long its lengths in metres are."""
+"""The scale of an object, and of the skeleton that it follows, say how long its lengths in metres are."""
 from __future__ import annotations
 
 import unittest
+from typing import Any
 
 import bpy
 import numpy as np
 from mathutils import Matrix
 from rumple.blender import compat, scheduler
 from rumple.blender.nodes import wrinkle_tree
-from rumple.blender.objects import bodies, incoming_mesh, mesh_reader, runtimes, units
-from support import sleeve
+from rumple.blender.objects import bodies, incoming_mesh, mesh_reader, rig_scale, runtimes, units
+from support import cloth_scenes, sleeve
 
 
 class Scale(unittest.TestCase):
@@ -64,6 +65,87 @@ class Scale(unittest.TestCase):
         evaluator = runtimes.of(self.obj).evaluator
         sleeve.play()
         self.assertIs(runtimes.of(self.obj).evaluator, evaluator)
+
+
+class ScaledByABone(unittest.TestCase):
+    """As an object that is scaled: it counted as stretched, and no fold was left."""
+
+    def dressed(self, bone: float, size: float, **values: Any) -> bpy.types.Object:
+        """A sleeve over a body, both of that size, or both scaled by the bone that the other one hangs from."""
+        obj, body = cloth_scenes.dressed(**values)
+        self.rig = bpy.data.objects["Arm"]
+        self.rig.pose.bones["upper"].scale = (bone,) * 3
+        self.rig.scale = obj.scale = body.scale = (size,) * 3
+        return obj
+
+    def in_the_world(self, obj: bpy.types.Object) -> np.ndarray:
+        for _ in range(2):
+            bpy.context.view_layer.update()
+        scheduler.sync_all()
+        sleeve.play(last=12)
+        return sleeve.shown(obj) * obj.scale.x
+
+    def test_cloth_is_that_of_a_scaled_object(self) -> None:
+        by_object = self.in_the_world(self.dressed(1.0, 2.0))
+        obj = self.dressed(2.0, 1.0)
+        by_bone = self.in_the_world(obj)
+        apart = np.linalg.norm(by_bone - by_object, axis=1)
+        self.assertLess(apart.mean(), 5e-4)  # metres: what is scaled is rounded elsewhere
+        self.assertLess(apart.max(), 5e-3)
+        moved = sleeve.shown(obj) - sleeve.shown(cloth_scenes.bared(obj))
+        self.assertGreater(np.linalg.norm(moved, axis=1).mean(), 5e-3)
+
+    def test_scaling_the_bone_makes_the_folds_anew(self) -> None:
+        expected = self.in_the_world(self.dressed(2.0, 1.0))
+        obj = self.dressed(1.0, 1.0)
+        self.in_the_world(obj)
+        self.rig.pose.bones["upper"].scale = (2.0, 2.0, 2.0)
+        np.testing.assert_array_equal(self.in_the_world(obj), expected)
+
+    def test_a_part_that_is_scaled_is_stretched(self) -> None:
+        obj = self.dressed(1.0, 1.0)
+        self.rig.pose.bones["lower"].scale = (2.0, 2.0, 2.0)
+        self.assertEqual(rig_scale.of(obj, bpy.context.scene), 1.0)
+
+    def test_a_bone_that_does_not_inherit_scale_begins_at_1(self) -> None:
+        obj = self.dressed(3.0, 1.0)
+        obj.vertex_groups.remove(obj.vertex_groups["upper"])  # now both bones are above all that deforms it
+        self.rig.pose.bones["lower"].scale = (2.0, 2.0, 2.0)
+        self.assertAlmostEqual(rig_scale.of(obj, bpy.context.scene), 6.0)
+        self.rig.data.bones["lower"].inherit_scale = "NONE"
+        self.assertAlmostEqual(rig_scale.of(obj, bpy.context.scene), 2.0)
+
+    def test_a_keyed_scale_is_that_of_the_first_frame_and_makes_nothing_anew(self) -> None:
+        obj = self.dressed(1.0, 1.0)
+        bone = self.rig.pose.bones["upper"]
+        for frame, size in ((1, 2.0), (sleeve.LAST, 3.0)):
+            bone.scale = (size,) * 3
+            bone.keyframe_insert("scale", frame=frame)
+        sleeve.at(20)
+        scheduler.sync_all()
+        self.assertEqual(rig_scale.of(obj, bpy.context.scene), 2.0)
+        evaluator = runtimes.of(obj).evaluator
+        sleeve.play()
+        self.assertIs(runtimes.of(obj).evaluator, evaluator)
+
+    def test_a_driven_scale_and_one_of_zero_do_not_count(self) -> None:
+        obj = self.dressed(0.0, 1.0)
+        self.assertEqual(rig_scale.of(obj, bpy.context.scene), 1.0)
+        for axis in range(3):
+            self.rig.pose.bones["upper"].driver_add("scale", axis).driver.expression = "1 + frame / 10"
+        sleeve.at(2)
+        evaluator = runtimes.of(obj).evaluator
+        sleeve.play()
+        self.assertEqual(rig_scale.of(obj, bpy.context.scene), 1.0)
+        self.assertIs(runtimes.of(obj).evaluator, evaluator)
+
+    def test_a_captured_shape_has_the_size_that_it_was_shown_in(self) -> None:
+        obj = self.dressed(2.0, 1.0)
+        bpy.ops.object.rumple_capture_rest(frame=1)
+        scheduler.sync_all()
+        sleeve.at(1)
+        base = runtimes.of(obj).evaluator.base
+        np.testing.assert_allclose(base.positions, runtimes.of(obj).inputs.positions, atol=1e-5)
 
 
 class Applied(unittest.TestCase):

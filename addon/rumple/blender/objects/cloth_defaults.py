@@ -10,7 +10,7 @@ from mathutils.kdtree import KDTree
 
 from ...core import flared, transforms, wrinkle_field, wrinkle_mesh, wrinkle_paths
 from .. import compat
-from . import incoming_mesh, mesh_reader, modifier, properties, runtimes, units
+from . import incoming_mesh, mesh_reader, modifier, properties, rig_scale, runtimes, units
 
 # Their result is cloth already: its small compressions are the simulation's own.
 SIMULATED = frozenset(("CLOTH", "SOFT_BODY", "MESH_CACHE", "MESH_SEQUENCE_CACHE"))
@@ -48,7 +48,7 @@ def defaults(obj: bpy.types.Object, scene: bpy.types.Scene, body: bpy.types.Obje
     sheet = is_sheet(obj, body)
     if not sheet and not wrinkle_mesh.suits_cloth(base):
         return {}
-    metres = units.metres_per_unit(obj, scene)
+    metres = rig_scale.metres_at_rest(obj, scene)
     values = wrinkle_mesh.cloth_defaults(base, metres, _turn(obj), sheet)
     if method == "MESH":
         return values

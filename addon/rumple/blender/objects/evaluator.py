@@ -13,7 +13,7 @@ import numpy as np
 from ...core import engine
 from ...core.settings import FieldSettings, MeshSettings
 from .. import compat, scheduler
-from . import incoming_mesh, mesh_reader, messages, modifier, properties, subdivision_behind, units
+from . import incoming_mesh, mesh_reader, messages, modifier, properties, rig_scale, subdivision_behind, units
 from .building import PATIENCE, Building
 from .runtimes import Runtime
 
@@ -44,9 +44,16 @@ def sources(obj: bpy.types.Object) -> Sources:
         base.uv = mesh_reader.render_uv(incoming_mesh.of(obj))
     own = _own_mesh(obj, settings)
     attached = mesh_reader.attached(obj.rumple.own_mesh) if own is not None else None
+    _scale_rest(rig_scale.of_rest(obj, settings.rest_shape), base, own)
     unit_scale = units.metres_per_unit(obj, scene)
     return Sources(base, own, attached, settings, unit_scale,
                    _shape_fingerprint(base, own, attached, settings, unit_scale))
+
+
+def _scale_rest(scale: float, *meshes: engine.BaseMesh | None) -> None:
+    for mesh in meshes if scale != 1.0 else ():
+        if mesh is not None:
+            mesh.positions = mesh.positions * np.float32(scale)
 
 
 def _refuse_without_faces(obj: bpy.types.Object) -> None:
@@ -66,7 +73,7 @@ def ensure(obj: bpy.types.Object, runtime: Runtime, meanwhile: Callable[[], obje
     meanwhile: what else is to be read from Blender; done while a thread builds.
     """
     now = sources(obj)
-    runtime.scale = _rounded(now.unit_scale)
+    runtime.scale = _scale_of(obj, units.scene_of(obj))
     wanted = _wanted(obj, now)
     begun, runtime.building = runtime.building, None
     if runtime.evaluator is not None and runtime.shape == wanted:
@@ -102,16 +109,20 @@ def _built(obj: bpy.types.Object, now: Sources, wanted: tuple[str, int, int],
 
 
 def note_scale(obj: bpy.types.Object, runtime: Runtime) -> None:
-    """Scaling an object, or what it is parented to, edits no mesh."""
+    """Scaling an object, what it is parented to, or the bones that it hangs from, edits no mesh."""
     scene = units.scene_of(obj)
-    seen, runtime.plain_scales = runtime.plain_scales, units.plain_scales(obj, scene)
+    seen, runtime.plain_scales = runtime.plain_scales, (units.plain_scales(obj, scene), rig_scale.plain(obj))
     if seen == runtime.plain_scales or not units.scale_is_known(obj):
         return
-    found = _rounded(units.metres_per_unit(obj, scene))
+    found = _scale_of(obj, scene)
     if runtime.scale not in ("", found):
         runtime.stale = True
         scheduler.request(scheduler.DELAY)
     runtime.scale = found
+
+
+def _scale_of(obj: bpy.types.Object, scene: bpy.types.Scene) -> str:
+    return f"{_rounded(units.metres_per_unit(obj, scene))} {rig_scale.of(obj, scene)}"
 
 
 def _rounded(unit_scale: float) -> str:

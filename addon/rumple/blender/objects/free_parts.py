@@ -14,7 +14,7 @@ from ...core import hangs_free, transforms
 from ...core.cloth import size_factor
 from ...core.triangles import at_border
 from .. import compat
-from . import bodies, body_search, cloth_defaults, mesh_reader, painted_maps, properties
+from . import bodies, body_search, cloth_defaults, mesh_reader, painted_maps, properties, rig_scale
 
 FARTHEST = 0.3  # metres, of a garment that an adult wears: what is farther does not tell
 UNDER = 0.5  # cosine between the inner side of the cloth and the way to the body, at least: it lies below, not beside
@@ -72,7 +72,8 @@ def _free_of_bodies(obj: bpy.types.Object, rest: np.ndarray, scene: bpy.types.Sc
                     trees: dict[bpy.types.Object, BVHTree]) -> np.ndarray | None:
     over = [_Surface.of(body, trees.get(body)) for body in bodies.of(obj)
             if body != obj and len(body.data.polygons) and body_search.is_finite(body)]
-    return _free_share(obj, rest, over, scene.unit_settings.scale_length) if over else None
+    metre = scene.unit_settings.scale_length * rig_scale.of(obj, scene)
+    return _free_share(obj, rest, over, metre) if over else None
 
 
 def _free_share(obj: bpy.types.Object, rest: np.ndarray, over: list[_Surface], metre: float) -> np.ndarray | None:

@@ -7,7 +7,7 @@ import numpy as np
 from mathutils import Vector
 from mathutils.bvhtree import BVHTree
 
-from ..objects import guide_curves, incoming_mesh, mesh_reader, properties, units
+from ..objects import guide_curves, incoming_mesh, mesh_reader, properties, rig_scale, units
 from ..translation import said
 from ..ui_base import OnWrinkled
 
@@ -50,7 +50,7 @@ def _new_curve(context: bpy.types.Context, garment: bpy.types.Object) -> bpy.typ
     up = to_garment.to_3x3() @ Vector((0.0, 0.0, 1.0))
     up -= up.dot(normal) * normal
     up = up.normalized() if up.length > 1e-6 else normal.orthogonal().normalized()
-    scale = units.metres_per_unit(garment, units.scene_of(garment)) or 1.0
+    scale = rig_scale.metres_at_rest(garment, units.scene_of(garment)) or 1.0
     curve = bpy.data.curves.new(f"{garment.name}.guide", "CURVE")
     curve.dimensions = "3D"
     spline = curve.splines.new("BEZIER")

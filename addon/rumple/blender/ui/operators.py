@@ -16,7 +16,7 @@ from ..frame import disk_frames, rebuild
 from ..maps import rebuild as maps_rebuild
 from ..nodes import field_shader, wrinkle_tree
 from ..objects import (bodies, body_search, cloth_defaults, coarse_copy, free_parts, incoming_mesh, made_collections,
-                       mesh_reader, modifier, properties, runtimes, stack_notes, subdivision_behind, units,
+                       mesh_reader, modifier, properties, rig_scale, runtimes, stack_notes, subdivision_behind,
                        viewport_mesh)
 from ..translation import said
 from . import fabrics, thumbnails
@@ -188,7 +188,7 @@ class OBJECT_OT_rumple_add(bpy.types.Operator):
         incoming_mesh.update(obj)
         if system.SUGGESTED in lengths and len(incoming_mesh.of(obj).polygons):
             base = mesh_reader.base_mesh(obj, "REST_POSE", "")
-            values[system.SUGGESTED] = system.suggested_length(base, units.metres_per_unit(obj, context.scene))
+            values[system.SUGGESTED] = system.suggested_length(base, rig_scale.metres_at_rest(obj, context.scene))
         properties.apply_values(obj, context.scene, values)
         obj.rumple.bake_start, obj.rumple.bake_end = context.scene.frame_start, context.scene.frame_end
         return lengths

@@ -1,0 +1,72 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""How many times as large as it was modelled a skeleton shows an object. Characters are scaled by a bone that all other
+bones hang from, as often as by an object. What is on it is solved in the size that it is shown in: its shape at rest is
+scaled with it, else all of it would count as stretched.
+
+Which bones scale deforms parts, and which the whole: the whole where all bones that deform the object hang from it.
+"""
+from __future__ import annotations
+
+import bpy
+import numpy as np
+
+from .. import compat
+from . import units
+
+LEAST = 1e-3  # a smaller scale hides a character, and is not its size
+
+
+def of(obj: bpy.types.Object, scene: bpy.types.Scene) -> float:
+    """Times the size at rest, in the clip's first frame; 1 without a skeleton. Constraints, drivers and strips do not
+    count: what they make of a scale is not known before a frame is shown.
+
+    Cost: about 0.3 ms for a rig of 200 bones.
+    """
+    rig, product = obj.find_armature(), 1.0
+    if rig is None or rig.pose is None:
+        return 1.0
+    first, animated = units.first_frame(obj, scene), compat.animated_paths(rig)
+    for bone in _above_all(obj, rig):  # from the root down
+        path = f'pose.bones["{bpy.utils.escape_identifier(bone.name)}"].scale'
+        scale = _keyed_scale(rig.animation_data, path, bone, first) if path in animated else bone.scale
+        mean = sum(map(abs, scale)) / 3.0
+        product = mean if bone.bone.inherit_scale.startswith("NONE") else product * mean
+    return float(f"{product:.5g}") if product >= LEAST else 1.0
+
+
+def of_rest(obj: bpy.types.Object, rest_shape: str) -> float:
+    """What its positions at rest are multiplied by. A captured shape has the size that it is shown in."""
+    return 1.0 if rest_shape == "FRAME" else of(obj, units.scene_of(obj))
+
+
+def plain(obj: bpy.types.Object) -> bytes:
+    """The scales of all bones as they stand: it is read in each frame."""
+    rig = obj.find_armature()
+    if rig is None or rig.pose is None:
+        return b""
+    scales = np.empty(3 * len(rig.pose.bones), np.float32)
+    rig.pose.bones.foreach_get("scale", scales)
+    return scales.tobytes()
+
+
+def metres_at_rest(obj: bpy.types.Object, scene: bpy.types.Scene) -> float:
+    """Of an object unit of the mesh as it was modelled, in the size that it is shown in."""
+    return units.metres_per_unit(obj, scene) * of(obj, scene)
+
+
+def _above_all(obj: bpy.types.Object, rig: bpy.types.Object) -> list[bpy.types.PoseBone]:
+    """The bones that every bone with a vertex group of the object hangs from, or is, from the root down."""
+    chains = [[*reversed(bone.parent_recursive), bone] for bone in map(rig.pose.bones.get, obj.vertex_groups.keys())
+              if bone is not None and bone.bone.use_deform]
+    common = chains[0] if chains else []
+    for chain in chains[1:]:
+        common = [one for one, other in zip(common, chain) if one == other]
+    return common
+
+
+def _keyed_scale(about: bpy.types.AnimData, path: str, bone: bpy.types.PoseBone, frame: int) -> list[float]:
+    """Of its axes in a frame; 1 where drivers or strips have a say."""
+    if any(track.strips for track in about.nla_tracks) or any(curve.data_path == path for curve in about.drivers):
+        return [1.0, 1.0, 1.0]
+    curves = [compat.find_curve(about, path, axis) for axis in range(3)]
+    return [scale if curve is None else curve.evaluate(frame) for scale, curve in zip(bone.scale, curves)]
