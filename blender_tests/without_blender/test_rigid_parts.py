@@ -120,6 +120,70 @@ class Buttons(unittest.TestCase):
         np.testing.assert_array_equal(mesh.polygon_parent[-6:], self.mesh.polygon_parent[-6:])
 
 
+SHIRT = tube(24, 24, 0.15, 0.6)
+POUCH = box((0.18, 0.0, 0.2), (0.05, 0.1, 0.1))  # on it
+
+
+def helmet() -> BaseMesh:
+    """Half a ball over the upper end of the shirt, open below."""
+    cap = tube(24, 8, 0.12, 0.12)
+    x, y, z = cap.positions.T
+    share = np.sqrt(np.maximum(1.0 - (z / 0.12)**2, 1e-3))
+    return quad_mesh("Helmet", np.c_[x * share, y * share, z + 0.65], cap.corner_vertex.reshape(-1, 4))
+
+
+class Solids(unittest.TestCase):
+    """Parts that are too large for buttons, and hold much for their surface."""
+
+    def solid(self, *meshes: BaseMesh) -> tuple[list[bool], list[bool]]:
+        """Of the rigid parts of one mesh of all: whether they stay where they are animated, and are skin."""
+        rigid = without_rigid_parts(together(*meshes).healed(True), True).rigid
+        return ([], []) if rigid is None else (rigid.stays.tolist(), rigid.is_skin.tolist())
+
+    def test_a_pouch_rides_on_the_cloth_and_a_helmet_stays(self) -> None:
+        """They were cloth, wrinkled and drawn in by it."""
+        self.assertEqual(self.solid(SHIRT, POUCH), ([False], [False]))
+        self.assertEqual(self.solid(SHIRT, helmet()), ([True], [False]))
+        base = together(SHIRT, helmet(), POUCH)
+        pose = leant(base.positions)
+        _, result = solved(base, CLOTH, pose)
+        worn, pouch = slice(-8 - len(helmet().positions), -8), slice(-8, None)
+        np.testing.assert_array_equal(result.positions[worn], pose[worn])
+        np.testing.assert_allclose(distances(result.positions[pouch]), distances(pose[pouch]), atol=1e-6)
+        self.assertGreater(np.linalg.norm(result.positions[pouch] - pose[pouch], axis=1).min(), 1e-4)
+
+    def test_both_are_named(self) -> None:
+        rigid = without_rigid_parts(together(SHIRT, helmet(), POUCH), True).rigid
+        assert rigid is not None
+        self.assertEqual(rigid.lines(), ["Rigid parts that ride on the cloth: 1",
+                                         "Solid parts that stay as they are animated: 1"])
+
+    def test_a_pocket_a_cuff_and_a_doubled_sleeve_are_cloth(self) -> None:
+        pocket = quad_mesh("Pocket", SHIRT.positions[:96] * (1.05, 1.05, 1.0) + (0.0, 0.0, 0.1),
+                           SHIRT.corner_vertex.reshape(-1, 4)[:72 - 24])
+        self.assertEqual(self.solid(SHIRT, pocket), ([], []))
+        cuff = tube(24, 4, 0.055, 0.16)
+        self.assertEqual(self.solid(SHIRT, cuff), ([], []))
+        inside = tube(24, 4, 0.05, 0.16)
+        walls = inside.corner_vertex.reshape(-1, 4)[:, ::-1] + len(cuff.positions)
+        ends = [[(ring + i, ring + (i + 1) % 24, ring + (i + 1) % 24 + len(cuff.positions),
+                  ring + i + len(cuff.positions))[::1 if ring else -1] for i in range(24)] for ring in (0, 96)]
+        doubled = quad_mesh("Doubled", np.concatenate([cuff.positions, inside.positions]), np.concatenate(
+            [cuff.corner_vertex.reshape(-1, 4), walls, *ends]))
+        self.assertEqual(self.solid(SHIRT, doubled), ([], []))
+        around = tube(24, 6, 0.17, 0.3)
+        half = quad_mesh("Yoke", around.positions, around.corner_vertex.reshape(-1, 24, 4)[:, :12].reshape(-1, 4))
+        self.assertEqual(self.solid(SHIRT, half), ([], []))  # over the shoulders, open at the front
+
+    def test_what_is_half_as_large_as_the_mesh_is_cloth(self) -> None:
+        self.assertEqual(self.solid(SHIRT, box((0.3, 0.0, 0.2), (0.2, 0.2, 0.3))), ([], []))
+
+    def test_what_is_all_solid_has_no_cloth_to_lie_on(self) -> None:
+        self.assertEqual(self.solid(POUCH, box((0.5, 0.0, 0.2), (0.05, 0.1, 0.1))), ([], []))
+        rolls = [box((0.3 + 0.21 * k, 0.0, 0.1), (0.2, 0.2, 0.2)) for k in range(4)]
+        self.assertEqual(self.solid(SHIRT, *rolls), ([], []))
+
+
 class Flaps(unittest.TestCase):
     """Faces that stand on an edge that has two already. Healing cuts them off, and as cloth of their own they fell."""
 

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Garments that become cloth, on scenes of ../shared/data and on the demo: s1_cloth.jpg, s2_cloth.jpg,
-one_mesh.jpg, layers.jpg, fabrics.jpg, density.jpg, demo.jpg, dress.jpg and cape.jpg beside this file.
+one_mesh.jpg, solid_parts.jpg, layers.jpg, fabrics.jpg, density.jpg, demo.jpg, dress.jpg and cape.jpg beside this file.
 
     scripts/build
     RUMPLE_NATIVE=build/release/python blender -b --factory-startup --python-exit-code 1 \
-        --python docs/pictures/make_cloth.py [-- s1|s2|one_mesh|layers|fabrics|density|demo|dress|cape ...]
+        --python docs/pictures/make_cloth.py [-- s1|s2|one_mesh|solid_parts|layers|fabrics|density|demo|dress|cape ...]
 """
 from __future__ import annotations
 
@@ -16,12 +16,15 @@ from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
+import bmesh
 import bpy
-from mathutils import Vector
+import numpy as np
+from mathutils import Matrix, Vector
 
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parents[1]
 sys.path[:0] = [str(ROOT / "addon"), str(ROOT / "scripts"), os.environ["RUMPLE_NATIVE"]]
+import demo_rig  # noqa: E402
 import rumple  # noqa: E402
 from contact_sheet import compose, studio  # noqa: E402
 from rumple.blender import scheduler  # noqa: E402
@@ -168,6 +171,52 @@ def one_mesh(folder: Path) -> tuple[list[Tile], int]:
     return [tile for column in zip(*tiles) for tile in column], 2
 
 
+def solid_parts(folder: Path) -> tuple[list[Tile], int]:
+    """A helmet and two pouches in the mesh of the demo's shirt, from near."""
+    import demo_scene
+    tiles: list[list[Tile]] = []
+    for label, rigid in (("as cloth", False), ("solid parts", True)):
+        demo_scene.build_demo_scene()
+        render = bpy.context.scene.render
+        render.use_border = render.use_crop_to_border = True
+        render.border_min_x, render.border_max_x, render.border_min_y, render.border_max_y = 0.2, 0.8, 0.45, 1.0
+        render.resolution_percentage = 160
+        shirt = bpy.data.objects["Shirt"]
+        add_solids(shirt)
+        shirt.rumple.mesh.rigid_parts = rigid
+        (folder / label).mkdir()
+        shown = before_and_after(demo_scene.add_wrinkles("MESH"), (18,), folder / label)[0]
+        tiles.append([(name.replace("after", label), path) for name, path in shown])
+    cloth, solid = tiles
+    return [*cloth, solid[1]], 1
+
+
+def add_solids(shirt: bpy.types.Object) -> None:
+    """Two pouches on the demo's shirt, and a helmet, joined to it."""
+    parts = []
+    for place, size, is_pouch in (((0.09, -0.145, 1.15), (0.1, 0.06, 0.12), True),
+                                  ((-0.09, -0.145, 1.15), (0.1, 0.06, 0.12), True),
+                                  ((0.0, -0.01, 1.7), (0.22, 0.27, 0.3), False)):
+        mesh = bmesh.new()
+        if is_pouch:
+            bmesh.ops.create_cube(mesh, size=1.0)
+            bmesh.ops.bevel(mesh, geom=[*mesh.verts, *mesh.edges], offset=0.15, segments=3, profile=0.5,
+                            affect="EDGES", clamp_overlap=True)
+        else:
+            bmesh.ops.create_uvsphere(mesh, u_segments=32, v_segments=20, radius=0.5)
+            bmesh.ops.delete(mesh, geom=[v for v in mesh.verts if v.co.z < -0.15], context="VERTS")
+        bmesh.ops.transform(mesh, matrix=Matrix.LocRotScale(Vector(place), None, Vector(size)), verts=mesh.verts)
+        part = bpy.data.objects.new("Part", bpy.data.meshes.new("Part"))
+        mesh.to_mesh(part.data)
+        part.data.materials.append(bpy.data.materials["Shirt trim"])
+        part.data.polygons.foreach_set("use_smooth", [True] * len(part.data.polygons))
+        bpy.context.scene.collection.objects.link(part)
+        demo_rig.skin(part, np.array([vertex.co for vertex in part.data.vertices]), shirt.parent)
+        parts.append(part)
+    with bpy.context.temp_override(active_object=shirt, selected_editable_objects=[shirt, *parts]):
+        bpy.ops.object.join()
+
+
 def layers(folder: Path) -> tuple[list[Tile], int]:
     at, tiles = middles(SHIRT), []
     for shown in (("drape",), ("folds",), ("detail",), ("drape", "folds", "detail")):
@@ -245,6 +294,7 @@ def before_and_after(garments: list[bpy.types.Object], frames: tuple[int, ...], 
 PICTURES: dict[str, tuple[str, Callable[[Path], tuple[list[Tile], int]]]] = {
     "s1": ("s1_cloth.jpg", lambda folder: rows(S1, folder)),
     "one_mesh": ("one_mesh.jpg", one_mesh),
+    "solid_parts": ("solid_parts.jpg", solid_parts),
     "s2": ("s2_cloth.jpg", lambda folder: rows(S2, folder)),
     "layers": ("layers.jpg", layers),
     "fabrics": ("fabrics.jpg", fabrics),

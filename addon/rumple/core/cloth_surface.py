@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from ..native import kernels
+from . import skin_parts, solid_parts
 from .base_mesh import BaseMesh
 from .body import OwnSkin
 from .connected import border_sides
@@ -15,7 +16,6 @@ from .connected import parts as connected_parts
 from .connected import places as places_of
 from .healing import CUT
 from .rigid_parts import RigidParts
-from .skin_parts import find_skin
 from .wording import UserError
 
 SMALL, SMALL_AND_CLOSED = 0.05, 0.12  # of the largest part's diagonal: sheets, and bodies without a border
@@ -38,18 +38,22 @@ def checked_surface(base: BaseMesh, weld: bool, rigid_parts: bool,
 
 def without_rigid_parts(base: BaseMesh, weld: bool, small: bool = True) -> BaseMesh:
     """The healed mesh without the faces of its rigid parts, which it has in `rigid`; their vertices stay, without a
-    face. weld: vertices at one place are one. small: small parts are rigid, and skin in the mesh of its clothes,
-    beside painted parts. Cost: about 0.3 s for 50,000 vertices."""
+    face. weld: vertices at one place are one. small: small parts are rigid, solid ones, and skin in the mesh of its
+    clothes, beside painted parts. Cost: about 0.3 s for 50,000 vertices."""
     if not small and base.painted_rigid is None:
         return base
     places = places_of(base.positions) if weld else np.arange(len(base.positions))
     parts = connected_parts(base, _cut_apart(base, places))
-    chosen = skin = np.zeros(int(parts.max(initial=-1)) + 1, bool)
-    if small:
+    chosen = skin = stays = np.zeros(int(parts.max(initial=-1)) + 1, bool)
+    if small and len(np.unique(parts[base.corner_vertex])) > 1:
         chosen = _rigid(base, parts, places)
-        skin = find_skin(base, parts, places, chosen)
-    painted = _painted(base, parts, chosen | skin)
-    chosen, skin = chosen | skin | painted, skin & ~painted
+        measured = skin_parts.measured(base, parts, places, len(chosen))
+        skin = skin_parts.find_skin(base, measured, parts, chosen)
+        solid = solid_parts.find_solid(measured, chosen | skin)
+        chosen |= skin | solid
+        stays = skin | (solid & ~solid_parts.lies_on_cloth(base, measured, parts, solid, chosen))
+    painted = _painted(base, parts, chosen)
+    chosen, skin, stays = chosen | painted, skin & ~painted, stays & ~painted
     sizes, origin = np.diff(base.polygon_start), base.own_origin()
     part_of_polygon = parts[base.corner_vertex[base.polygon_start[:-1]]]
     for doubled in origin.copies:  # a doubled button: rather solved as cloth than shown once
@@ -68,7 +72,7 @@ def without_rigid_parts(base: BaseMesh, weld: bool, small: bool = True) -> BaseM
         uv=None if base.uv is None else np.ascontiguousarray(base.uv[~corner_is_rigid]),
         origin=replace(origin, corner=origin.corner[~corner_is_rigid], polygon=origin.polygon[~is_rigid],
                        copies=copies),
-        rigid=_taken(base, parts, skin, is_rigid, corner_is_rigid))
+        rigid=_taken(base, parts, skin, stays, is_rigid, corner_is_rigid))
 
 
 def _cut_apart(base: BaseMesh, places: np.ndarray) -> np.ndarray:
@@ -118,7 +122,7 @@ def _starts(sizes: np.ndarray) -> np.ndarray:
     return np.concatenate([np.zeros(1, np.int32), np.cumsum(sizes, dtype=np.int32)])
 
 
-def _taken(base: BaseMesh, parts: np.ndarray, skin: np.ndarray, is_rigid: np.ndarray,
+def _taken(base: BaseMesh, parts: np.ndarray, skin: np.ndarray, stays: np.ndarray, is_rigid: np.ndarray,
            corner_is_rigid: np.ndarray) -> RigidParts:
     origin, corner_vertex = base.own_origin(), base.corner_vertex[corner_is_rigid]
     vertex, rows = np.unique(corner_vertex, return_inverse=True)
@@ -127,7 +131,8 @@ def _taken(base: BaseMesh, parts: np.ndarray, skin: np.ndarray, is_rigid: np.nda
     turned = np.concatenate([np.roll(triangles, -k, axis=1) for k in range(3)])
     place = np.unique(turned[:, 0], return_index=True)[1]  # every vertex of a polygon is in one of its triangles
     numbers, part = np.unique(parts[vertex], return_inverse=True)
-    return RigidParts(part.ravel().astype(np.int32), skin[numbers], OwnSkin(triangles[skin[parts[triangles[:, 0]]]]),
+    own_skin = OwnSkin(triangles[skin[parts[triangles[:, 0]]]])
+    return RigidParts(part.ravel().astype(np.int32), skin[numbers], stays[numbers], own_skin,
                       vertex.astype(np.int32), turned[place].astype(np.int32),
                       np.searchsorted(vertex, sides).astype(np.int32),
                       origin.polygon[is_rigid], np.diff(base.polygon_start)[is_rigid],

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Loose parts of a mesh that are no cloth. They are shown as they were modelled. Small ones, such as buttons and
-buckles, ride on the cloth around them; skin stays where it is animated. Never imports bpy."""
+"""Loose parts of a mesh that are no cloth. They are shown as they were modelled. Buttons, buckles and pouches ride on
+the cloth around them; skin and helmets stay where they are animated. Never imports bpy."""
 from __future__ import annotations
 
 from dataclasses import dataclass
@@ -23,6 +23,7 @@ class RigidParts:
 
     part: np.ndarray  # (m,) int32: number of its part
     is_skin: np.ndarray  # (parts,) bool
+    stays: np.ndarray  # (parts,) bool: where it is animated, as skin does
     skin: OwnSkin  # all of it
     vertex: np.ndarray  # (m,) int32
     triangle: np.ndarray  # (m, 3) int32: a triangle of vertices that begins with it
@@ -39,22 +40,24 @@ class RigidParts:
 
     def lines(self) -> list[str]:
         """What to say of them in the status."""
-        skin = int(self.is_skin.sum())
-        return ([f"Rigid parts that ride on the cloth: {self.count - skin}"] if skin < self.count else []) + (
-            [f"Parts that are skin and stay as they are animated: {skin}"] if skin else [])
+        riding, solid, skin = (int(of.sum()) for of in (~self.stays, self.stays & ~self.is_skin, self.is_skin))
+        return [line for count, line in (
+            (riding, f"Rigid parts that ride on the cloth: {riding}"),
+            (solid, f"Solid parts that stay as they are animated: {solid}"),
+            (skin, f"Parts that are skin and stay as they are animated: {skin}")) if count]
 
 
 class AttachedParts:
     """The rigid parts of one shown mesh, and what of the cloth around them each is fixed to: the shown vertices that
-    are nearest to it at rest. Skin, and a part that is far from all cloth, stay where they are animated."""
+    are nearest to it at rest. Skin, and what is far from cloth, stays where it is animated."""
 
     def __init__(self, positions: np.ndarray, size: float, parts: RigidParts, shown: kernels.ShownMesh) -> None:
         """positions: (n, 3) float32 of the coarse mesh at rest. size: diagonal of the cloth. shown: of the cloth."""
         self.parts = parts
         cloth = np.unique(shown.corner_vertex)
         rest = shown.positions_rest[cloth]
-        found = [cloth[:0] if is_skin else cloth[_anchors(positions[parts.vertex[parts.part == part]], rest, size)]
-                 for part, is_skin in enumerate(parts.is_skin)]
+        found = [cloth[:0] if stays else cloth[_anchors(positions[parts.vertex[parts.part == part]], rest, size)]
+                 for part, stays in enumerate(parts.stays)]
         self._starts = np.cumsum([0, *(len(anchors) for anchors in found)], dtype=np.int32)
         self._anchors = np.concatenate(found)
         self._corners = shown.triangle_vertex[self._anchors]

@@ -103,9 +103,10 @@ LAYERS = (
 class Parts:
     """What of a mesh is cloth: the same words in every system."""
 
-    rigid_parts: bool = setting(True, "Rigid Parts", "Small loose parts, such as buttons and buckles, are not cloth: "
-                                "they keep their shape and ride on the cloth around them. Skin in the mesh of its "
-                                "clothes, such as head and hands, stays where it is animated", affects="MESH")
+    rigid_parts: bool = setting(True, "Rigid Parts", "Loose parts that are small or solid, such as buttons, buckles "
+                                "and pouches, are not cloth: they keep their shape and ride on the cloth around them. "
+                                "Skin in the mesh of its clothes, such as head and hands, and helmets stay where they "
+                                "are animated", affects="MESH")
 
 
 @dataclass

@@ -24,9 +24,10 @@ WHOLE = 0.75  # of that diagonal: what has no opening is no smaller, or it is a 
 
 
 @dataclass
-class _Parts:
+class Parts:
     """Of every connected part; object units at rest."""
 
+    whole: float  # diagonal of all faces
     diagonal: np.ndarray  # (parts,)
     area: np.ndarray  # (parts,)
     flat: np.ndarray  # (parts,) 0 to 1: length of the sum of its faces' areas, as vectors, over its area
@@ -34,14 +35,11 @@ class _Parts:
     openings: list[list[np.ndarray]]  # vertices of each open border that is no eyelet
 
 
-def find_skin(base: BaseMesh, part: np.ndarray, place: np.ndarray, small: np.ndarray) -> np.ndarray:
-    """(parts,) bool. part, place: (n,) of the vertices, as connected.py has them. small: (parts,) bool of those that
-    are rigid because they are small. None is skin where no part is a garment. Cost: about 0.2 s for 50,000 vertices,
-    less where none is skin."""
-    if not len(base.corner_vertex):
-        return np.zeros(len(small), bool)
-    whole = float(_lengths(np.ptp(base.positions[base.corner_vertex], axis=0)[None])[0])
-    found = _measured(base, part, place, len(small), OPENING * whole)
+def find_skin(base: BaseMesh, found: Parts, part: np.ndarray, small: np.ndarray) -> np.ndarray:
+    """(parts,) bool. found: of measured(). part: (n,) of the vertices, as connected.py has them. small: (parts,) bool
+    of those that are rigid because they are small. None is skin where no part is a garment. Cost: about 0.2 s for
+    50,000 vertices, less where none is skin."""
+    whole = found.whole
     openings = np.array([len(borders) for borders in found.openings])
     counts = (found.area > 0.0) & ~small
     wide = counts & (openings > 1) & (found.diagonal >= GARMENT * whole)
@@ -50,7 +48,7 @@ def find_skin(base: BaseMesh, part: np.ndarray, place: np.ndarray, small: np.nda
         return np.zeros(len(small), bool)
     bodily &= (openings > 0) | (found.diagonal >= WHOLE * whole)
     bodily[np.argsort(np.where(bodily, -found.area, 0.0), kind="stable")[MOST_PARTS:]] = False
-    skin = _ends_under(base, found.openings, bodily, _samples(part, counts), NEAR * whole)
+    skin = _ends_under(base, found.openings, bodily, samples_of(part, counts), NEAR * whole)
     garment = wide & ~skin
     if not garment.any() or not found.area[skin].sum() > LEAST_AREA * found.area.sum():
         return np.zeros(len(small), bool)
@@ -70,7 +68,7 @@ def _ends_under(base: BaseMesh, openings: list[list[np.ndarray]], asked: np.ndar
         low, high = (bound(base.positions[samples[number]], axis=0) for bound in (np.min, np.max))
         beside = ((base.positions[every] >= low - near) & (base.positions[every] <= high + near)).all(1)
         others = every[beside & (of != number)]
-        ends[number] = all(_is_under(base.positions, normals, _sample(border, OF_BORDER), others, near)
+        ends[number] = all(_is_under(base.positions, normals, sample_of(border, OF_BORDER), others, near)
                            for border in openings[number])
     return ends
 
@@ -78,7 +76,7 @@ def _ends_under(base: BaseMesh, openings: list[list[np.ndarray]], asked: np.ndar
 def _is_under(positions: np.ndarray, normals: np.ndarray, border: np.ndarray, others: np.ndarray, near: float) -> bool:
     if not len(others):
         return False
-    nearest, distance = _nearest(positions, border, others)
+    nearest, distance = nearest_of(positions, border, others)
     above = ((positions[nearest] - positions[border]) * normals[border]).sum(1) > 0.0
     return bool((above & (distance < near)).mean() >= UNDER)
 
@@ -86,17 +84,20 @@ def _is_under(positions: np.ndarray, normals: np.ndarray, border: np.ndarray, ot
 def _lies_on_skin(positions: np.ndarray, part: np.ndarray, asked: np.ndarray, skin: np.ndarray,
                   garment: np.ndarray) -> np.ndarray:
     """(parts,) bool: whether a part is asked about, and nearer to skin than to garments."""
-    to_skin, to_garment = (_sample(np.flatnonzero(chosen[part]), SAMPLES) for chosen in (skin, garment))
+    to_skin, to_garment = (sample_of(np.flatnonzero(chosen[part]), SAMPLES) for chosen in (skin, garment))
     nearer = np.zeros(len(asked), bool)
     most = min(max(OF_PARTS // max(int(asked.sum()), 1), LEAST_OF_PART), MOST_OF_PART)
-    for number, vertices in _samples(part, asked).items():
-        own = _sample(vertices, most)
-        nearer[number] = _nearest(positions, own, to_skin)[1].mean() < _nearest(positions, own, to_garment)[1].mean()
+    for number, vertices in samples_of(part, asked).items():
+        own = sample_of(vertices, most)
+        skin_away, garment_away = (nearest_of(positions, own, to)[1].mean() for to in (to_skin, to_garment))
+        nearer[number] = skin_away < garment_away
     return nearer
 
 
-def _measured(base: BaseMesh, part: np.ndarray, place: np.ndarray, count: int, eyelet: float) -> _Parts:
-    """eyelet: radius of the smallest border that is an opening."""
+def measured(base: BaseMesh, part: np.ndarray, place: np.ndarray, count: int) -> Parts:
+    """Of a mesh with faces. part, place: (n,) of the vertices, as connected.py has them. Cost: about 0.1 s for 50,000
+    vertices."""
+    whole = float(_lengths(np.ptp(base.positions[base.corner_vertex], axis=0)[None])[0])
     low, high = np.full((count, 3), np.inf), np.full((count, 3), -np.inf)
     np.minimum.at(low, part, base.positions)
     np.maximum.at(high, part, base.positions)
@@ -108,13 +109,13 @@ def _measured(base: BaseMesh, part: np.ndarray, place: np.ndarray, count: int, e
     for border in _borders(base, place):
         points = base.positions[border].astype(np.float64)
         centre = points.mean(0)
-        if _lengths(points - centre).mean() >= eyelet:
+        if _lengths(points - centre).mean() >= OPENING * whole:
             openings[part[border[0]]].append(border)
             middle[part[border[0]]] = centre
     volume = np.bincount(of, ((base.positions[base.triangles[:, 0]] - middle[of]) * half).sum(1) / 3.0, count)
     some = np.maximum(area, 1e-30)
     one_way = np.stack([np.bincount(of, half[:, k], count) for k in range(3)], axis=1)
-    return _Parts(_lengths(high - low), area, _lengths(one_way) / some, np.abs(volume) / some ** 1.5, openings)
+    return Parts(whole, _lengths(high - low), area, _lengths(one_way) / some, np.abs(volume) / some ** 1.5, openings)
 
 
 def _halves(base: BaseMesh) -> np.ndarray:
@@ -135,22 +136,22 @@ def _borders(base: BaseMesh, place: np.ndarray) -> list[np.ndarray]:
     return np.split(vertices[order], np.flatnonzero(np.diff(of[order])) + 1)
 
 
-def _nearest(positions: np.ndarray, vertices: np.ndarray, others: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def nearest_of(positions: np.ndarray, vertices: np.ndarray, others: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """For each vertex the nearest of others, and how far away it is."""
     squared = ((positions[vertices][:, None].astype(np.float64) - positions[others][None]) ** 2).sum(2)
     row = squared.argmin(1)
     return others[row], np.sqrt(squared[np.arange(len(vertices)), row])
 
 
-def _samples(part: np.ndarray, chosen: np.ndarray) -> dict[int, np.ndarray]:
+def samples_of(part: np.ndarray, chosen: np.ndarray) -> dict[int, np.ndarray]:
     """Vertices of each of the chosen parts, by its number."""
     order = np.flatnonzero(chosen[part])
     order = order[np.argsort(part[order], kind="stable")]
     numbers, first = np.unique(part[order], return_index=True)
-    return {int(number): _sample(own, SAMPLES) for number, own in zip(numbers, np.split(order, first[1:]))}
+    return {int(number): sample_of(own, SAMPLES) for number, own in zip(numbers, np.split(order, first[1:]))}
 
 
-def _sample(vertices: np.ndarray, most: int) -> np.ndarray:
+def sample_of(vertices: np.ndarray, most: int) -> np.ndarray:
     return vertices[np.linspace(0, len(vertices) - 1, min(most, len(vertices))).astype(int)]
 
 
