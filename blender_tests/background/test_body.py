@@ -46,6 +46,50 @@ class Places(Worn):
             sleeve.at(1)
             self.assertGreater(outward(solved_body(self.obj)), 1e-4)
 
+    def test_curves_texts_and_metaballs_are_bodies_hidden_or_not(self) -> None:
+        """They were silently left out. As Blender converts them to a mesh; each is 5 centimetres around."""
+        made = {"CURVE": bpy.ops.curve.primitive_bezier_circle_add, "SURFACE":
+                bpy.ops.surface.primitive_nurbs_surface_sphere_add, "FONT": bpy.ops.object.text_add,
+                "META": bpy.ops.object.metaball_add}
+        for kind, add in made.items():
+            for hidden in (False, True) if kind != "META" else (False,):  # Blender makes no surface of hidden ones
+                with self.subTest(kind=kind, hidden=hidden):
+                    self.setUp()
+                    add(location=(0.3, 0.1, 0.2))
+                    thing = bpy.context.object
+                    self.assertEqual(thing.type, kind)
+                    thing.scale = (0.05, 0.05, 0.05)
+                    if kind in ("CURVE", "FONT"):
+                        thing.data.bevel_depth = 0.4
+                    bpy.context.view_layer.update()
+                    expected = sleeve.evaluated(thing).to_mesh()
+                    expected = (expected.vertices[0].co.copy(), len(expected.vertices))
+                    thing.hide_viewport = thing.hide_render = hidden
+                    self.obj.rumple.body = thing
+                    for frame in (3, 4, 9):
+                        sleeve.at(frame)
+                    found = solved_body(self.obj)
+                    self.assertEqual(self.obj.rumple.message, "")
+                    self.assertEqual(len(found.positions), expected[1])
+                    np.testing.assert_allclose(found.positions[0], 0.05 * np.array(expected[0]) + (0.3, 0.1, 0.2),
+                                               atol=1e-6)
+                    self.assertGreater(outward(found), 0.0)
+
+    def test_curves_without_faces_are_passed_over_in_a_collection(self) -> None:
+        collection = bpy.data.collections.new("Bodies")
+        bpy.context.scene.collection.children.link(collection)
+        bpy.ops.curve.primitive_bezier_circle_add()
+        line = bpy.context.object
+        for obj in (self.body, line):
+            collection.objects.link(obj)
+        self.obj.rumple.body_collection = collection
+        sleeve.at(3)
+        self.assertEqual(len(solved_body(self.obj).positions), len(self.body.data.vertices))
+        self.assertEqual(runtimes.of(self.obj).left_out, "")
+        self.obj.rumple.body = line
+        sleeve.at(4)
+        self.assertRegex(runtimes.of(self.obj).left_out, "^Sleeve: its body .*Circle has no faces and is left out")
+
     def test_a_body_that_is_moved_is_seen_at_once(self) -> None:
         self.obj.rumple.body = self.body
         sleeve.at(9)

@@ -145,6 +145,26 @@ class Wrong(Worn):
         order = [obj.name for obj, _ in bodies.in_order(list(modifier.wrinkled_objects()))]
         self.assertEqual(order, ["Sleeve", "Other"])
 
+    def test_one_that_is_in_no_collection_yet_counts(self) -> None:
+        """A script had appended it, and would link it to a collection. It was let go of for good."""
+        for collection in self.body.users_collection:
+            collection.objects.unlink(self.body)
+        bodies.forget_all()
+        self.obj.rumple.body = self.body
+        self.check_right(self.obj, 8)
+        scheduler.sync_all()
+        self.check_right(self.obj, 9)
+        self.assertEqual(self.obj.rumple.body, self.body)
+        self.assertIsNotNone(solved_body(self.obj))
+        bpy.context.scene.collection.objects.link(self.body)
+        sleeve.at(10)
+        bpy.data.objects.remove(self.body)
+        self.check_right(self.obj, 11)
+        self.assertIsNone(solved_body(self.obj))
+
+    def test_an_output_object_is_no_body(self) -> None:
+        self.assertFalse(bodies.can_be_body(sleeve.output_object(self.obj)))
+
     def test_a_deleted_body_is_none(self) -> None:
         for delete in (lambda: bpy.data.objects.remove(self.body), bpy.ops.object.delete):
             self.obj.rumple.body = self.body

@@ -162,7 +162,8 @@ class Guides(unittest.TestCase):
             rig = bpy.data.objects["Arm"]
             for scaled in (rig.pose.bones["upper"],) if by_bone else (rig, obj):
                 scaled.scale = (2.0, 2.0, 2.0)
-            scheduler.sync_all()
+            for _ in range(2):
+                bpy.context.view_layer.update()
             settle(obj)
             shown.append(sleeve.shown(obj) * obj.scale.x)
         self.assertGreater(np.abs(np.linalg.norm(shown[0][:, 1:], axis=1) - 2.0 * sleeve.RADIUS).max(), 0.005)

@@ -86,9 +86,14 @@ def _content_of_bodies(obj: bpy.types.Object) -> bytes:
 
 
 def _content(body: bpy.types.Object) -> bytes:
-    mesh = incoming_mesh.of(body)
-    digest = hashlib.sha1(mesh_reader.basis_positions(mesh).tobytes())
-    digest.update(compat.corner_vertices(mesh).tobytes() + compat.indices(mesh.polygons, "loop_total").tobytes())
+    mesh = incoming_mesh.of(body) if body.type == "MESH" else body.to_mesh()
+    digest = hashlib.sha1()
+    if mesh is not None:
+        for array in (mesh_reader.basis_positions(mesh), compat.corner_vertices(mesh),
+                      compat.indices(mesh.polygons, "loop_total")):
+            digest.update(array.tobytes())
+    if body.type != "MESH":
+        body.to_mesh_clear()
     return digest.digest()
 
 

@@ -17,15 +17,19 @@ from ...core import engine, transforms
 from ...core.body import Body, digest_of_triangles, facing_outwards
 from .. import compat
 from ..nodes import path_curves_tree
-from . import coarse_copy, incoming_mesh, made_collections, mesh_reader, messages, modifier, runtimes, units
+from . import (coarse_copy, incoming_mesh, made_collections, mesh_reader, messages, modifier, output_mesh, runtimes,
+               units)
 
 Wrinkled = tuple[bpy.types.Object, bpy.types.NodesModifier]
 
 
+SURFACES = ("MESH", "CURVE", "SURFACE", "FONT", "META")  # types of objects that Blender shows with faces
+
+
 # ---------------------------------------------------------------- which
 def can_be_body(obj: bpy.types.Object) -> bool:
-    """A mesh that is neither paths as curves nor an output object."""
-    return _is_surface(obj) and _is_somewhere(obj)
+    """What has a surface, is not Rumple's own, and was not deleted."""
+    return _is_surface(obj) and not _is_deleted(obj)
 
 
 def of(obj: bpy.types.Object) -> list[bpy.types.Object]:
@@ -40,28 +44,29 @@ def of(obj: bpy.types.Object) -> list[bpy.types.Object]:
 
 def _is_left_over(member: bpy.types.Object, collection: bpy.types.Collection) -> bool:
     """Whether it was deleted, or joined to another object, and only a collection of Rumple's still has it."""
-    return compat.is_editable(member) and not _is_somewhere(member) and made_collections.is_ours(collection)
+    return compat.is_editable(member) and _is_deleted(member) and made_collections.is_ours(collection)
 
 
 def _is_surface(obj: bpy.types.Object) -> bool:
     groups = (getattr(m, "node_group", None) for m in obj.modifiers)
-    return obj.type == "MESH" and not any(path_curves_tree.is_ours(group) for group in groups)
+    return (obj.type in SURFACES and output_mesh.KEY not in obj and not obj.rumple_guide.is_guide
+            and not any(path_curves_tree.is_ours(group) for group in groups))
 
 
-def _is_somewhere(obj: bpy.types.Object) -> bool:
-    """In some collection, other than Rumple's. What was deleted while a garment names it is in none, and neither are
-    output objects."""
-    key = compat.session_key(obj)
-    last = bpy.data.collections.get(_found_in.get(key, ""))
+def _is_deleted(obj: bpy.types.Object) -> bool:
+    """Whether it was in a collection, other than Rumple's, and is in none: Blender keeps what a garment names. What a
+    script has appended, and linked to no collection yet, was in none before."""
+    last = bpy.data.collections.get(_found_in.get(obj.name_full, ""))
     collections = (*(scene.collection for scene in bpy.data.scenes), *bpy.data.collections)
     for collection in collections if last is None else (last, *collections):
         if compat.holds(collection.objects, obj) and not made_collections.is_ours(collection):
-            _found_in[key] = collection.name
-            return True
-    return False
+            _found_in[obj.name_full] = collection.name
+            return False
+    return obj.name_full in _found_in
 
 
-_found_in: dict[int, str] = {}  # the collection to look into first, by object: some files have hundreds
+# The collection to look into first, by the full name of an object: some files have hundreds. Undo leaves names.
+_found_in: dict[str, str] = {}
 
 
 def refusal(obj: bpy.types.Object) -> str:
@@ -140,7 +145,7 @@ def connect_all() -> None:
     """Let the modifiers name the bodies that are set. Not in handlers."""
     for obj, nodes_mod in list(modifier.wrinkled_objects()):
         body = obj.rumple.body
-        if body is not None and compat.is_editable(obj) and not _is_somewhere(body):
+        if body is not None and compat.is_editable(obj) and _is_deleted(body):
             obj.rumple.body = None  # else what was deleted stays in the file, for it has a user
         _drop_left_overs(obj.rumple.body_collection)
         if not is_connected(obj, nodes_mod):
@@ -174,7 +179,8 @@ def read(obj: bpy.types.Object, evaluated: bpy.types.Object, depsgraph: bpy.type
                                "and save it, or take the body away")
     read_now = [(body, _surface(obj, evaluated, body, depsgraph)) for body in found]
     surfaces = [surface for _, surface in read_now if surface is not None]
-    empty = next((body for body, surface in read_now if surface is None), None)
+    empty = next((body for body, surface in read_now
+                  if surface is None and (body.type == "MESH" or body == obj.rumple.body)), None)
     messages.note_left_out(runtimes.of(obj), "" if empty is None else (
         f"{obj.name}: its body {empty.name} has no faces and is left out: choose another one, or add Realize Instances "
         "to its nodes"))
@@ -218,6 +224,8 @@ def _folded(body: bpy.types.Object, frame: float) -> Body | None:
 def _plain(body: bpy.types.Object, worn: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> Body | None:
     """A body as Blender shows it; a garment that is not baked without its folds. None where it has no faces. Raises
     engine.UserError."""
+    if body.type != "MESH":
+        return _converted(body, worn, depsgraph.mode)
     mesh, positions, nodes_mod = worn.data, None, modifier.find(body)
     if nodes_mod is not None and not modifier.is_baked(nodes_mod):
         try:
@@ -228,6 +236,17 @@ def _plain(body: bpy.types.Object, worn: bpy.types.Object, depsgraph: bpy.types.
     if not len(mesh.polygons):
         return None
     return Body(compat.positions(mesh) if positions is None else positions, _triangles(body, mesh, depsgraph.mode))
+
+
+def _converted(body: bpy.types.Object, worn: bpy.types.Object, mode: str) -> Body | None:
+    """A curve, a text or a metaball as Blender shows it. None where it has no faces."""
+    mesh = worn.to_mesh()
+    try:
+        if mesh is None or not len(mesh.polygons):
+            return None
+        return Body(compat.positions(mesh), _triangles(body, mesh, mode))
+    finally:
+        worn.to_mesh_clear()
 
 
 # ---------------------------------------------------------------- triangles
@@ -298,8 +317,8 @@ def _triangles(body: bpy.types.Object, mesh: bpy.types.Mesh, mode: str) -> np.nd
     key, now = (compat.session_key(body), mode), _Connections.of(mesh)
     kept, triangles = _triangulated.get(key, (None, None))
     if kept is None or not kept.same_as(now):
-        rest = next((known for known in (body.data, incoming_mesh.of(body)) if _Connections.of(known).same_as(now)),
-                    mesh)
+        meshes = (body.data, incoming_mesh.of(body)) if body.type == "MESH" else ()
+        rest = next((known for known in meshes if _Connections.of(known).same_as(now)), mesh)
         rest.calc_loop_triangles()
         triangles = np.empty(len(rest.loop_triangles) * 3, np.int32)
         rest.loop_triangles.foreach_get("vertices", triangles)

@@ -71,7 +71,7 @@ def paint(obj: bpy.types.Object, scene: bpy.types.Scene, trees: dict[bpy.types.O
 def _free_of_bodies(obj: bpy.types.Object, rest: np.ndarray, scene: bpy.types.Scene,
                     trees: dict[bpy.types.Object, BVHTree]) -> np.ndarray | None:
     over = [_Surface.of(body, trees.get(body)) for body in bodies.of(obj)
-            if body != obj and len(body.data.polygons) and body_search.is_finite(body)]
+            if body != obj and body.type == "MESH" and len(body.data.polygons) and body_search.is_finite(body)]
     metre = scene.unit_settings.scale_length * rig_scale.of(obj, scene)
     return _free_share(obj, rest, over, metre) if over else None
 

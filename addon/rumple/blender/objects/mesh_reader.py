@@ -18,7 +18,7 @@ from ...core.painted_rigid import RIGID, wholly_painted
 from ...core.settings import FieldSettings, MeshSettings, PathsSettings
 from .. import compat
 from ..nodes import field_profile, wrinkle_tree
-from . import guide_curves, incoming_mesh, own_mesh_place
+from . import guide_curves, incoming_mesh, own_mesh_place, rig_scale
 
 # Paint of the Wrinkle Mesh: key of the engine -> vertex group on the coarse mesh.
 MESH_GROUPS: dict[str, str] = {
@@ -186,6 +186,8 @@ def paint(obj: bpy.types.Object, settings: Settings) -> dict[str, np.ndarray]:
     weights = group_weights(obj, mesh, [names[key] for key in keys]) if keys else None
     painted = {key: np.ascontiguousarray(weights[:, column]) for column, key in enumerate(keys)}
     guides = guide_curves.read(obj, lambda: rest_positions(obj, settings.rest_shape, obj.rumple.rest_key))
+    if guides is not None:
+        guides[:, :3] *= np.float32(rig_scale.of_rest(obj, settings.rest_shape))  # their points
     if guides is not None and isinstance(settings, FieldSettings) and settings.output == "SHADING":
         guides = guides[guides[:, KIND] == DIRECTION]  # the triangles can show no fold of another shape
     if guides is not None and len(guides):
