@@ -11,9 +11,12 @@ import bpy
 import numpy as np
 from rumple.blender import ui_base
 from rumple.blender.nodes import field_shader
-from rumple.blender.objects import properties, runtimes
+from rumple.blender.objects import building, evaluator, properties, runtimes
 from rumple.blender.ui import menus, panels
+from rumple.core.settings import MeshSettings
 from rumple.core.systems import SYSTEMS
+from rumple.core.wrinkle_mesh import WrinkleMesh
+from rumple.native.library import Stopped
 from support import sleeve
 from support.registered import own_classes
 
@@ -304,6 +307,52 @@ class Paint(unittest.TestCase):
         self.assertEqual((obj.mode, obj.vertex_groups.active.name), ("WEIGHT_PAINT", "Rumple Bending"))
         bpy.ops.object.rumple_paint(group="bending")
         self.assertEqual(obj.mode, "OBJECT")
+
+
+class Dropped(unittest.TestCase):
+    """What is built in a thread and wanted no more went on to its end, beside what was wanted in its place."""
+
+    def setUp(self) -> None:
+        self.obj = sleeve.scene()
+        sleeve.at(1)
+        self.runtime = runtimes.of(self.obj)
+
+    def long(self) -> building.Building:
+        """Work that ends by itself after a minute."""
+        base = self.runtime.evaluator.base
+
+        def build() -> WrinkleMesh:
+            for _ in range(2000):
+                made = WrinkleMesh.build(base, MeshSettings(density="LEVEL", level=3))
+            return made
+
+        return building.Building("Sleeve", "", build)
+
+    def test_its_thread_ends(self) -> None:
+        work, other = self.long(), self.long()
+        work.drop()
+        self.assertFalse(work.is_running(20.0))
+        self.assertRaises(Stopped, work.result)
+        self.assertTrue(other.is_running())
+        sleeve.empty_file()
+        self.assertFalse(other.is_running(20.0))
+
+    def test_esc_and_another_value_drop_it(self) -> None:
+        with mock.patch.object(building.Building, "is_running", return_value=True), mock.patch.object(
+                building.Building, "drop", autospec=True) as dropped:
+            self.obj.rumple.mesh.level = 2
+            first = evaluator.begin(self.obj, self.runtime)
+            self.obj.rumple.mesh.level = 0
+            second = evaluator.begin(self.obj, self.runtime)
+            self.assertIsNot(second, first)
+            dropped.assert_called_once_with(first)
+            evaluator.cancel(self.obj, self.runtime)
+            dropped.assert_called_with(second)
+            self.obj.rumple.mesh.level = 0
+            third = evaluator.begin(self.obj, self.runtime)
+            self.obj.rumple.mesh.level = 2
+            evaluator.ensure(self.obj, self.runtime)
+            dropped.assert_called_with(third)
 
 
 if __name__ == "__main__":

@@ -7,6 +7,7 @@
 
 #include "api/sizes.h"
 #include "base/expect.h"
+#include "base/stop.h"
 
 namespace rumple::api {
 namespace {
@@ -27,6 +28,8 @@ rumple_status keep_exception() noexcept {
         return keep(RUMPLE_INVALID, error.what());
     } catch (const TopologyError& error) {
         return keep(RUMPLE_INVALID, error.what());
+    } catch (const Stopped& stopped) {
+        return keep(RUMPLE_STOPPED, stopped.what());
     } catch (const std::bad_alloc&) {
         return keep(RUMPLE_NO_MEMORY, "there is not enough memory");
     } catch (const std::exception& error) {
@@ -55,6 +58,26 @@ void expect_places(std::span<const Index> triangles, std::span<const Vec2> baryc
 }
 
 }  // namespace rumple::api
+
+struct rumple_stop {
+    std::atomic<bool> asked = false;
+};
+
+rumple_status rumple_stop_build(rumple_stop** stop) {
+    return rumple::api::made(stop, "stop", [] { return new rumple_stop; });
+}
+
+void rumple_stop_free(rumple_stop* stop) {
+    delete stop;
+}
+
+void rumple_stop_watch(const rumple_stop* stop) {
+    rumple::watched_stop = stop ? &stop->asked : nullptr;
+}
+
+void rumple_stop_ask(rumple_stop* stop) {
+    if (stop) stop->asked.store(true, std::memory_order_relaxed);
+}
 
 const char* rumple_version(void) {
     return RUMPLE_VERSION;

@@ -3,6 +3,8 @@
 
 #include <cassert>
 
+#include "base/stop.h"
+
 namespace rumple {
 
 std::vector<Index> color_constraints(Index vertex_count, std::span<const Index> pairs_a,
@@ -12,6 +14,7 @@ std::vector<Index> color_constraints(Index vertex_count, std::span<const Index> 
     std::vector<Index> color(pairs_a.size());
     std::vector<Index> taken_for;  // per colour: the last constraint that may not have it
     for (std::size_t i = 0; i < color.size(); ++i) {
+        stop_if_asked(i);
         const Index self = static_cast<Index>(i);
         const Index ends[2] = {pairs_a[i], pairs_b[i]};
         for (Index v : ends) {

@@ -16,6 +16,8 @@
 #include <thread>
 #include <vector>
 
+#include "base/stop.h"
+
 namespace rumple {
 
 // Waits a moment for a condition, leaving the processor to others who want it; says whether it came true.
@@ -235,7 +237,10 @@ void in_parallel(const First& first, const Second& second) {
     };
     std::thread other;
     try {
-        other = std::thread([&] { caught(second, failed_second); });
+        other = std::thread([&, watched = watched_stop] {
+            watched_stop = watched;
+            caught(second, failed_second);
+        });
     } catch (const std::system_error&) {
         caught(second, failed_second);
     }

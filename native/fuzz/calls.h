@@ -66,7 +66,7 @@ Handle* unwritten() {
 #define MAKE(Handle, function, ...)                                                                          \
     ([&]() -> Handle* {                                                                                      \
         Handle* new_handle = unwritten<Handle>();                                                            \
-        if (CALL(function, __VA_ARGS__, &new_handle) == RUMPLE_OK) {                                         \
+        if (CALL(function, __VA_ARGS__ __VA_OPT__(, ) & new_handle) == RUMPLE_OK) {                          \
             require(new_handle&& new_handle != unwritten<Handle>(), "no handle was made", #function);        \
             return new_handle;                                                                               \
         }                                                                                                    \

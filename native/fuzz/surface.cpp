@@ -195,6 +195,18 @@ void look_at_frame(World& world, Bytes& bytes) {
     require(!(of_field && of_paths), "of two systems", "frame");
 }
 
+// What is watched from before a call on, and asked or not, ends it or not.
+void stop_one(World& world, Bytes& bytes) {
+    rumple_stop* stop = MAKE(rumple_stop, rumple_stop_build);
+    RUN(rumple_stop_watch, stop);
+    const bool asked = bytes.below(2) == 0;
+    if (asked) RUN(rumple_stop_ask, stop);
+    build_surface(world, bytes);
+    RUN(rumple_stop_watch, nullptr);
+    RUN(rumple_stop_ask, bytes.hostile() ? nullptr : stop);
+    RUN(rumple_stop_free, stop);
+}
+
 void look_at_library(World& world, Bytes& bytes) {
     require(std::strcmp(CALL(rumple_version), RUMPLE_VERSION) == 0, "version", "rumple_version");
     require(CALL(rumple_struct_size, "rumple_pose") == sizeof(rumple_pose), "size", "rumple_struct_size");
@@ -203,6 +215,7 @@ void look_at_library(World& world, Bytes& bytes) {
     require(CALL(rumple_error) != nullptr, "NULL", "rumple_error");
     world.surfaces.free_one(bytes);
     RUN(rumple_surface_free, nullptr);
+    stop_one(world, bytes);
     move_parts(bytes);
 }
 

@@ -3,6 +3,7 @@
 // bits are compared here; that nobody writes what another reads is seen by ThreadSanitizer (the preset tsan).
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <cstring>
 #include <thread>
 #include <vector>
@@ -111,6 +112,56 @@ TEST(ApiThreads, ShareAColliderThatIsPosedInTurns) {
     });
     rumple_collider_free(collider);
     rumple_base_cloth_free(model);
+}
+
+// A model of `levels` layers over the sheet; null where it was stopped.
+rumple_wrinkle_layers* layers_over(const Sheet& sheet, int32_t levels, rumple_status& status) {
+    rumple_wrinkle_layers_plan plan = rumple_wrinkle_layers_plan_default();
+    plan.levels = levels;
+    rumple_wrinkle_layers* model = nullptr;
+    status = rumple_wrinkle_layers_build(sheet.surface(), &plan, &model);
+    return model;
+}
+
+TEST(ApiThreads, WhatIsAskedToStopMakesNothing) {
+    const Sheet sheet;
+    rumple_stop* stop = nullptr;
+    ASSERT_EQ(rumple_stop_build(&stop), RUMPLE_OK);
+    rumple_status status = RUMPLE_OK;
+    rumple_stop_watch(stop);
+    rumple_wrinkle_layers_free(layers_over(sheet, 2, status));
+    EXPECT_EQ(status, RUMPLE_OK);  // nobody has asked
+    rumple_stop_ask(stop);
+    EXPECT_EQ(layers_over(sheet, 2, status), nullptr);
+    EXPECT_EQ(status, RUMPLE_STOPPED);
+    EXPECT_STREQ(rumple_error(), "it was stopped");
+    rumple_stop_watch(nullptr);
+    rumple_wrinkle_layers_free(layers_over(sheet, 2, status));
+    EXPECT_EQ(status, RUMPLE_OK);
+    rumple_stop_free(stop);
+}
+
+TEST(ApiThreads, AThreadIsStoppedByAnotherAndNobodyElseIs) {
+    const Sheet sheet;
+    rumple_stop* stop = nullptr;
+    ASSERT_EQ(rumple_stop_build(&stop), RUMPLE_OK);
+    std::atomic<int> made = 0;
+    std::thread maker([&] {
+        rumple_stop_watch(stop);
+        rumple_status status = RUMPLE_OK;
+        while (status == RUMPLE_OK) {
+            rumple_wrinkle_layers_free(layers_over(sheet, 2, status));
+            if (status == RUMPLE_OK) ++made;
+        }
+        EXPECT_EQ(status, RUMPLE_STOPPED);
+    });
+    while (made == 0) std::this_thread::yield();
+    rumple_stop_ask(stop);
+    maker.join();
+    rumple_status status = RUMPLE_OK;
+    rumple_wrinkle_layers_free(layers_over(sheet, 2, status));
+    EXPECT_EQ(status, RUMPLE_OK);
+    rumple_stop_free(stop);
 }
 
 }  // namespace

@@ -13,7 +13,7 @@ from . import scheduler
 from .frame import clip_status, disk_frames, first_pass, rebuild, solve
 from .maps import (changes as maps_changes, modifier as maps_modifier, rebuild as maps_rebuild,
                    runtimes as maps_runtimes, solve as maps_solve)
-from .objects import bodies, changes, kept_lists, messages, modifier, runtimes, undo_references
+from .objects import bodies, building, changes, kept_lists, messages, modifier, runtimes, undo_references
 
 
 _PATIENCE = 30.0  # seconds that a render waits for what was edited just before
@@ -25,6 +25,7 @@ def _forget_all() -> None:
     for table in _RUNTIMES:
         table.forget_all()
     bodies.forget_all()
+    building.drop_all()
 
 
 def _guarded(function: Callable[..., None]) -> Callable[..., None]:

@@ -10,6 +10,7 @@ from __future__ import annotations
 from . import c
 from .base_cloth import *
 from .force_fields import *
+from .stopping import *
 from .surface import *
 from .wrinkle_field import *
 from .wrinkle_field_brush import *

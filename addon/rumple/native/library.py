@@ -36,6 +36,10 @@ def library_file() -> Path:
     raise NativeMissing(f"This installation of Rumple cannot run on {here}: {made_for}. {advice}")
 
 
+class Stopped(RuntimeError):
+    """What was being made is no longer wanted: see stopping.py."""
+
+
 class Library:
     """The functions of the library, each by its name in the header. It is opened when the first one is called."""
 
@@ -73,10 +77,10 @@ class Library:
         return self.__dict__[name]
 
     def _check(self, status: int, _function: Any, _arguments: Any) -> int:
-        """Raises what a status says: ValueError, MemoryError or RuntimeError, with the library's own words."""
+        """Raises what a status says: ValueError, MemoryError, Stopped or RuntimeError, with the library's own words."""
         if status:
             text = self.rumple_error().decode(errors="replace")
-            raise {1: ValueError, 2: MemoryError}.get(status, RuntimeError)(text)
+            raise {1: ValueError, 2: MemoryError, 4: Stopped}.get(status, RuntimeError)(text)
         return status
 
 

@@ -7,6 +7,7 @@
 #include <tuple>
 
 #include "base/errors.h"
+#include "base/stop.h"
 #include "base/tolerances.h"
 #include "surface/mesh/checks.h"
 #include "surface/mesh/weld.h"
@@ -159,6 +160,7 @@ Surface build_surface(const SurfaceInput& input) {
     // joins nothing that would bring one of them back.
     check_polygons(surface.display);
     check_edges(surface.display);
+    stop_if_asked();
 
     Weld weld;
     if (input.weld_seams) {
@@ -168,8 +170,11 @@ Surface build_surface(const SurfaceInput& input) {
         std::iota(weld.class_of.begin(), weld.class_of.end(), 0);
     }
     surface.warnings = weld.warnings;
+    stop_if_asked();
     join_vertices(surface, weld.class_of);
+    stop_if_asked();
     join_fans(surface);
+    stop_if_asked();
 
     surface.positions_rest.resize(surface.welded.vertex_count);
     weld_positions(surface, input.positions_rest, surface.positions_rest);

@@ -11,6 +11,7 @@
 #include "base/expect.h"
 #include "base/parallel.h"
 #include "base/solve_team.h"
+#include "base/stop.h"
 #include "base/tolerances.h"
 #include "surface/mesh/positions.h"
 
@@ -166,7 +167,9 @@ namespace {
 std::vector<Index> unweld_and_locate(const Surface& base, const Surface& source, const FineMesh& fine,
                                      Index steps, ShownMesh& shown) {
     FineMesh whole = compose(refine_subdivision(fine.mesh, steps), fine);
+    stop_if_asked();
     Unwelded open = unweld(source, whole);
+    stop_if_asked();
     if (&source == &base) {
         const std::vector<SurfacePoint> places = locate_on_parents(base, whole);
         for (const Index v : open.fine_vertex) shown.places.push_back(places[v]);
@@ -175,6 +178,7 @@ std::vector<Index> unweld_and_locate(const Surface& base, const Surface& source,
     shown.vertex_from_source = std::move(open.vertex_from_display);
     shown.corner_from_source = std::move(whole.corner_from_parent);
     shown.polygon_source = std::move(whole.polygon_parent);
+    stop_if_asked();
     collect_edge_sources(shown, source.display);
     return std::move(open.fine_vertex);
 }
@@ -188,6 +192,7 @@ ShownMesh show_fine(const Surface& base, const Surface& source, const FineMesh& 
     SparseRows smooth;
     in_parallel([&] { solved_vertex = unweld_and_locate(base, source, fine, steps, shown); },
                 [&] { smooth = subdivision_stencils(fine.mesh, steps, false); });
+    stop_if_asked();
     for (const Index v : solved_vertex) shown.from_solved.append_row(smooth, v);
     shown.positions_rest.resize(solved_vertex.size());
     apply<Vec3>(shown.from_solved, solved_rest, shown.positions_rest);

@@ -8,6 +8,7 @@
 #include <span>
 
 #include "base/solve_team.h"
+#include "base/stop.h"
 #include "base/tolerances.h"
 #include "surface/refine/refinement.h"
 #include "surface/refine/triangle_tree.h"
@@ -104,6 +105,7 @@ std::vector<SurfacePoint> locate_on_parents(const Surface& surface, const FineMe
 
     std::vector<SurfacePoint> places(positions.size());
     for (std::size_t v = 0; v < places.size(); ++v) {
+        stop_if_asked(v);
         if (parent[v] == kNone) continue;
         double best = std::numeric_limits<double>::infinity();
         for (Index k = triangles.start[parent[v]]; k < triangles.start[parent[v] + 1]; ++k) {
@@ -141,6 +143,7 @@ Unwelded unweld(const Surface& surface, const FineMesh& fine) {
     result.mesh.corner_vertex.resize(fine.mesh.corner_vertex.size());
     std::vector<Index> differing;  // corners, one of every new vertex
     for (Index v = 0; v < fine.mesh.vertex_count; ++v) {
+        stop_if_asked(std::size_t(v));
         differing.clear();
         for (Index c : corners.of(v)) {
             const auto same = std::find_if(differing.begin(), differing.end(), [&](Index other) {

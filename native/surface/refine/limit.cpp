@@ -18,6 +18,7 @@
 #include <numbers>
 
 #include "base/elementary.h"
+#include "base/stop.h"
 #include "surface/refine/subdivider.h"
 
 namespace rumple {
@@ -97,6 +98,7 @@ SparseRows limit_rows_at(const Far::TopologyRefiner& refiner, const LimitFactory
     LimitFactory::Options options;
     options.generate1stDerivatives = false;
     if (locations.empty()) return {};
+    stop_if_asked();
     const std::unique_ptr<const Far::LimitStencilTableReal<double>> table(
         LimitFactory::Create(refiner, locations, nullptr, nullptr, options));
     return copy_rows(*table, column_of);

@@ -2,6 +2,7 @@
 // Linear weights of refined corners and vertices. OpenSubdiv's tables of them take ten times as long to make.
 #include <algorithm>
 
+#include "base/stop.h"
 #include "surface/refine/subdivider.h"
 
 namespace rumple {
@@ -49,6 +50,7 @@ Corners refined(const Far::TopologyRefiner& refiner, int level, const Corners& b
     const Far::TopologyLevel &parents = refiner.GetLevel(level - 1), &faces = refiner.GetLevel(level);
     Corners out;
     for (int f = 0; f < faces.GetNumFaces(); ++f) {
+        stop_if_asked(std::size_t(f));
         const int parent = faces.GetFaceParentFace(f);
         const Index p = before.polygon[parent];
         out.polygon.push_back(p);
@@ -82,6 +84,7 @@ LinearRows linear_rows(const Far::TopologyRefiner& refiner, const PolygonMesh& m
     std::vector<const double*> at_vertex(level.GetNumVertices(), nullptr);  // weights of a corner there
     std::vector<Index> polygon_at(level.GetNumVertices(), kNone);
     for (int f = 0; f < level.GetNumFaces(); ++f) {
+        stop_if_asked(std::size_t(f));
         const Index p = last.polygon[f], n = mesh.polygon_size(p);
         const double* weight = &last.weight[last.start[f]];
         for (const int vertex : level.GetFaceVertices(f)) {
@@ -96,6 +99,7 @@ LinearRows linear_rows(const Far::TopologyRefiner& refiner, const PolygonMesh& m
     }
     std::vector<std::pair<Index, double>> entries;
     for (std::size_t v = 0; v < at_vertex.size(); ++v) {
+        stop_if_asked(v);
         const Index p = polygon_at[v];
         entries.clear();
         for (Index k = 0; k < mesh.polygon_size(p); ++k)

@@ -5,6 +5,7 @@
 #include <cassert>
 
 #include "base/errors.h"
+#include "base/stop.h"
 
 namespace rumple {
 namespace {
@@ -81,6 +82,7 @@ SparseRows copy_rows(const Far::StencilTableReal<double>& table, std::span<const
     SparseRows rows;
     std::vector<std::pair<Index, double>> entries;
     for (int i = 0; i < table.GetNumStencils(); ++i) {
+        stop_if_asked(std::size_t(i));
         const auto stencil = table.GetStencil(i);
         entries.clear();
         for (int k = 0; k < stencil.GetSize(); ++k) {

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "base/errors.h"
+#include "base/stop.h"
 #include "surface/refine/subdivider.h"
 
 namespace rumple {
@@ -25,7 +26,9 @@ void check_levels(const PolygonMesh& parent, Index levels) {
 }
 
 Refiner refine_uniformly(const PolygonMesh& parent, const UsedVertices& used, Index levels) {
+    stop_if_asked();
     Refiner refiner = make_refiner(parent, used);
+    stop_if_asked();
     Far::TopologyRefiner::UniformOptions options(levels);
     options.fullTopologyInLastLevel = true;  // or the limit of the last level has no masks
     refiner->RefineUniform(options);
@@ -34,6 +37,7 @@ Refiner refine_uniformly(const PolygonMesh& parent, const UsedVertices& used, In
 
 // Vertices of the last level <- parent vertices, smooth.
 SparseRows make_rows(const Far::TopologyRefiner& refiner, std::span<const Index> column_of) {
+    stop_if_asked();
     StencilFactory::Options options;
     options.generateIntermediateLevels = false;
     options.factorizeIntermediateLevels = true;
@@ -74,6 +78,7 @@ bool is_rounded_later(const Crease& crease) {
 
 // Last-level vertices on the limit surface <- last-level vertices.
 SparseRows make_limit_rows(const Far::TopologyRefiner& refiner) {
+    stop_if_asked();
     if (std::ranges::any_of(creases_of_last_level(refiner), is_rounded_later))
         return limit_rows_by_patches(copy_last_level(refiner));
     const Index count = refiner.GetLevel(refiner.GetMaxLevel()).GetNumVertices();

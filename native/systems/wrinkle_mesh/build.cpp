@@ -9,6 +9,7 @@
 #include "base/errors.h"
 #include "base/graph_coloring.h"
 #include "base/parallel.h"
+#include "base/stop.h"
 #include "base/tolerances.h"
 #include "surface/mesh/border_rings.h"
 #include "systems/wrinkle_mesh/pose.h"
@@ -118,6 +119,7 @@ Pairs coloured(const std::vector<Pair>& pairs, std::span<const Vec3> rest, std::
         b.push_back(pair[1]);
     }
     const std::vector<Index> colour = color_constraints(static_cast<Index>(rest.size()), a, b);
+    stop_if_asked();
     std::vector<Index> order(pairs.size());
     std::iota(order.begin(), order.end(), 0);
     std::ranges::stable_sort(
@@ -204,7 +206,9 @@ std::vector<Vec3> attach_fine_mesh(Model& model, const Source& source, const Fin
 void add_constraints(Model& model) {
     const std::vector<Vec3>& rest = model.positions_rest;
     model.triangles = triangulate(model.solved, rest);
+    stop_if_asked();
     const PairSets sets = collect_pairs(model.triangles);
+    stop_if_asked();
     model.vertex_of_row = rows_along_longest_axis(rest);
     model.row_of = inverse(model.vertex_of_row);
     model.distance = coloured(sets.edges, rest, model.row_of);

@@ -7,7 +7,9 @@
 
 #include "base/errors.h"
 #include "base/expect.h"
+#include "base/parallel.h"
 #include "base/solve_team.h"
+#include "base/stop.h"
 #include "surface/mesh/positions.h"
 #include "systems/wrinkle_mesh/pose.h"
 
@@ -274,16 +276,21 @@ std::shared_ptr<const Layers> build_layers(Surface base, Index levels, Index dis
         const AttachmentKind kind = level > 0 ? AttachmentKind::kLimit : AttachmentKind::kLinear;
         out->layers.push_back(build(std::move(on), source, kind, 0));
     }
-    for (const auto& layer : out->layers) {
-        out->self_contact.emplace_back(layer->positions_rest, layer->triangles);
-        out->limit.push_back(vertex_limit_stencils(solved_surface(*layer)));
-    }
-    const Model& finest = *out->layers.back();
-    out->shown = show_fine(out->base, out->base, fine, display_steps, finest.positions_rest);
-    out->shown_in_viewport =
-        show_in_viewport(out->base, out->base, fine, display_steps, viewport_steps, finest.positions_rest);
-    out->stretch = build_stretch(out->base);
-    out->bent_lines = build_bent_lines(out->base);
+    const auto add_what_is_solved = [&] {
+        for (const auto& layer : out->layers) {
+            out->self_contact.emplace_back(layer->positions_rest, layer->triangles);
+            stop_if_asked();
+            out->limit.push_back(vertex_limit_stencils(solved_surface(*layer)));
+        }
+        out->stretch = build_stretch(out->base);
+        out->bent_lines = build_bent_lines(out->base);
+        out->shown_in_viewport = show_in_viewport(out->base, out->base, fine, display_steps, viewport_steps,
+                                                  out->layers.back()->positions_rest);
+    };
+    const auto add_what_is_shown = [&] {
+        out->shown = show_fine(out->base, out->base, fine, display_steps, out->layers.back()->positions_rest);
+    };
+    in_parallel(add_what_is_shown, add_what_is_solved);
     return out;
 }
 

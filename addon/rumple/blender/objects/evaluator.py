@@ -76,6 +76,8 @@ def ensure(obj: bpy.types.Object, runtime: Runtime, meanwhile: Callable[[], obje
     runtime.scale = _scale_of(obj, units.scene_of(obj))
     wanted = _wanted(obj, now)
     begun, runtime.building = runtime.building, None
+    if begun is not None and begun.wanted != wanted:
+        begun.drop()
     if runtime.evaluator is not None and runtime.shape == wanted:
         return
     if runtime.refused == _refusable(obj, wanted):
@@ -140,6 +142,8 @@ def begin(obj: bpy.types.Object, runtime: Runtime) -> Building | None:
     if wanted == runtime.shape or _refusable(obj, wanted) == runtime.refused:
         return None
     if runtime.building is None or runtime.building.wanted != wanted:
+        if runtime.building is not None:
+            runtime.building.drop()
         runtime.building = Building(obj.name, wanted, _builder(obj, now))
     return runtime.building if runtime.building.is_running(PATIENCE) else None
 
@@ -150,6 +154,7 @@ def cancel(obj: bpy.types.Object, runtime: Runtime) -> str:
     dropped, runtime.building = runtime.building, None
     if dropped is None:
         return ""
+    dropped.drop()
     changed = False
     for path, value in runtime.built_with.items():
         group, name = _place(obj, path)

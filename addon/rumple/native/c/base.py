@@ -12,11 +12,16 @@ from typing import Any
 from ..struct import CHECKED, Struct, pointer_to
 
 VERSION = "0.1.0"
-STATUS = {"OK": 0, "INVALID": 1, "NO_MEMORY": 2, "INTERNAL": 3}
+STATUS = {"OK": 0, "INVALID": 1, "NO_MEMORY": 2, "INTERNAL": 3, "STOPPED": 4}
+StopPointer = pointer_to("rumple_stop")
 
 
 BASE_FUNCTIONS: dict[str, tuple[Any, tuple[Any, ...]]] = {
     "rumple_version": (c_char_p, ()),
     "rumple_struct_size": (c_size_t, (c_char_p,)),
     "rumple_error": (c_char_p, ()),
+    "rumple_stop_build": (CHECKED, (POINTER(StopPointer),)),
+    "rumple_stop_free": (None, (StopPointer,)),
+    "rumple_stop_watch": (None, (StopPointer,)),
+    "rumple_stop_ask": (None, (StopPointer,)),
 }
