@@ -75,6 +75,23 @@ class Linked(unittest.TestCase):
             self.assertAlmostEqual(obj.rumple_maps.poses["Surprise"].present, face.risen(frame) / 2, 4)
         self.assertEqual(sorted(obj.name_full for obj in bpy.data.objects), before)
 
+    def test_linked_it_knows_that_its_rig_was_scaled_since(self) -> None:
+        """The scale is applied in the file that it comes from, the pose is stored in it or in the shot."""
+        self.override()
+        bpy.ops.wm.save_as_mainfile(filepath=self.shot)
+        bpy.ops.wm.open_mainfile(filepath=self.library)
+        rig = bpy.data.objects["Rig"]
+        rig.animation_data_clear()
+        rig.scale = (100.0,) * 3
+        sleeve.make_active(rig)
+        bpy.ops.object.transform_apply(location=False, rotation=False, scale=True)
+        bpy.ops.wm.save_as_mainfile(filepath=self.library)
+        bpy.ops.wm.open_mainfile(filepath=self.shot)
+        obj, rig = self.found()
+        face.pose(rig, brow_L=1.0, brow_R=0.5)
+        self.check(obj, 1.0, 0.5)
+        self.assertEqual(face.notes(obj), "")
+
     def test_an_instanced_collection(self) -> None:
         empty = bpy.data.objects.new("Character", None)
         empty.instance_type, empty.instance_collection = "COLLECTION", self.link("collections", "Character")

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Wrinkle Maps choose root and bones by themselves: faces, bodies, one bone, bones without a common parent."""
+"""Wrinkle Maps choose root and bones by themselves: faces, bodies, one bone, bones without a common parent. And what
+reference poses are when transforms of the armature are applied."""
 from __future__ import annotations
 
 import unittest
@@ -8,6 +9,8 @@ from typing import Any
 import bpy
 import numpy as np
 from mathutils import Euler
+from rumple.blender import scheduler
+from rumple.blender.maps import rig as maps_rig
 from support import face, sleeve
 
 # name: (parent, head, tail)
@@ -158,3 +161,136 @@ class Few(unittest.TestCase):
         add("Nod")
         self.assertEqual((obj.rumple_maps.root, obj.rumple_maps.message), ("", ""))
         self.assertGreater(face.mask(obj, "Nod").min(), 0.999)
+
+
+class Applied(unittest.TestCase):
+    """Blender moves no stored pose when a transform of the armature is applied (Ctrl A)."""
+
+    def setUp(self) -> None:
+        self.obj, self.rig = face.scene()
+        self.longer = 1.0  # how many times as long bones are now
+
+    def pose(self, **shares: float) -> None:
+        """Bones turned in place, and moved by shares of a centimetre of the rig as it was."""
+        for name, share in shares.items():
+            bone = self.rig.pose.bones[name.replace("_", ".")]
+            bone.rotation_mode, bone.rotation_euler = "XYZ", (0.6 * share, 0.2 * share, 0.0)
+            bone.location = self.longer * share * 0.01 * np.array((0.3, 0.1, 1.0))
+        with sleeve.context():
+            bpy.context.view_layer.update()
+
+    def poses(self, root: str) -> None:
+        self.longer = 1.0
+        for name, shares in (("Surprise", (1.0, 1.0, 0.0)), ("Anger", (-1.0, -0.7, 0.5))):
+            self.pose(**dict(zip(("brow_L", "brow_R", "jaw"), shares)))
+            bpy.ops.rumple.pose_add(name=name)
+        self.obj.rumple_maps.root = root
+
+    def apply(self, scale: float | tuple[float, ...], turn: tuple[float, ...] = (0, 0, 0),
+              location: tuple[float, ...] = (0, 0, 0)) -> None:
+        self.rig.scale = (scale,) * 3 if isinstance(scale, (int, float)) else scale
+        self.rig.rotation_euler, self.rig.location = turn, location
+        bpy.context.view_layer.update()
+        sleeve.make_active(self.rig)
+        bpy.ops.object.transform_apply(location=True, rotation=True, scale=True)
+        sleeve.make_active(self.obj)
+        self.longer *= scale if isinstance(scale, (int, float)) else 1.0
+        self.settle()
+
+    def settle(self) -> None:
+        for _ in range(2):
+            bpy.context.view_layer.update()
+            scheduler.sync_all()
+
+    def seen(self) -> np.ndarray:
+        """(3, o, n) masks on the way."""
+        masks = []
+        for shares in ((1.0, 1.0, 0.0), (0.3, 0.6, 0.2), (-0.5, 0.2, 0.7)):
+            self.pose(**dict(zip(("brow_L", "brow_R", "jaw"), shares)))
+            masks.append([face.mask(self.obj, pose.name) for pose in self.obj.rumple_maps.poses])
+        return np.array(masks)
+
+    def check(self, before: np.ndarray) -> None:
+        np.testing.assert_allclose(self.seen(), before, atol=1e-3)
+        for name in ("Surprise", "Anger"):
+            self.obj.rumple_maps.active = self.obj.rumple_maps.poses.find(name)
+            bpy.ops.rumple.pose_go()
+            self.assertAlmostEqual(self.obj.rumple_maps.poses[name].present, 1.0, 4)
+        self.assertEqual(face.notes(self.obj), "")
+
+    def test_reference_poses_go_along(self) -> None:
+        """A rig in centimetres, or turned as other programs have it. Every mask was wholly on, or off."""
+        turn, far = (0.4, -1.2, 2.0), (3.0, -1.0, 2.0)
+        for root in ("head", ""):
+            for neutral in ("rest", "captured"):
+                for change in ((100.0,), (0.01,), (1.0, turn), (1.0, (0, 0, 0), far), (100.0, turn, far)):
+                    with self.subTest(str((root, neutral, change))):
+                        self.setUp()
+                        self.poses(root)
+                        self.pose(brow_L=0.1, brow_R=-0.1, jaw=0.1)
+                        if neutral == "captured":
+                            bpy.ops.rumple.neutral_capture()
+                        before = self.seen()
+                        self.assertGreater(np.ptp(before[1]), 0.2)
+                        self.apply(*change)
+                        self.check(before)
+
+    def test_again_and_undone(self) -> None:
+        self.poses("head")
+        before = self.seen()
+        for scale in (100.0, 0.1, 0.1):
+            with sleeve.context():
+                bpy.ops.ed.undo_push(message="before")
+            self.apply(scale)
+            self.check(before)
+        with sleeve.context():
+            bpy.ops.ed.undo_push(message="after")
+            bpy.ops.ed.undo()
+        self.obj, self.rig, self.longer = bpy.data.objects["Face"], bpy.data.objects["Rig"], 10.0
+        sleeve.make_active(self.obj)
+        self.settle()
+        self.check(before)
+
+    def test_poses_that_are_stored_later_are_of_the_rig_of_then(self) -> None:
+        self.poses("head")
+        self.apply(100.0)
+        self.pose(brow_L=1.0, brow_R=0.0, jaw=0.0)
+        bpy.ops.rumple.pose_add(name="Left")
+        before = self.seen()
+        self.apply(0.01)
+        self.check(before)
+
+    def test_poses_of_older_files_go_along_from_now_on(self) -> None:
+        self.poses("head")
+        before = self.seen()
+        for pose in self.obj.rumple_maps.poses:
+            for bone in pose.bones:
+                bone.property_unset("rest")
+        self.obj.rumple_maps.root = "head"  # as a file that is opened: everything is compared anew
+        self.settle()
+        self.check(before)
+        self.apply(100.0)
+        self.check(before)
+
+    def test_an_edited_rig_keeps_its_poses(self) -> None:
+        """They hold where bones are, and the artist has moved one on purpose."""
+        self.poses("head")
+        rig, _ = maps_rig.rig_of(self.obj)
+        sleeve.make_active(self.rig)
+        bpy.ops.object.mode_set(mode="EDIT")
+        for end in ("head", "tail"):
+            setattr(self.rig.data.edit_bones["jaw"], end, getattr(self.rig.data.edit_bones["jaw"], end) * 2.0)
+        bpy.ops.object.mode_set(mode="OBJECT")
+        sleeve.make_active(self.obj)
+        self.settle()
+        now, notes = maps_rig.rig_of(self.obj)
+        self.assertGreater(np.abs(now.neutral - rig.neutral).max(), 0.01)
+        for pose, former in zip(now.poses, rig.poses):
+            np.testing.assert_array_equal(pose.bones, former.bones)
+        self.assertEqual(notes, [])
+
+    def test_a_rig_that_is_stretched_is_named(self) -> None:
+        """Bones that turn in it have other ways then."""
+        self.poses("head")
+        self.apply((1.0, 1.0, 2.0))
+        self.assertIn("Rig was stretched or mirrored since pose Surprise was stored: update it", face.notes(self.obj))

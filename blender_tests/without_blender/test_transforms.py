@@ -75,6 +75,14 @@ class Transforms(unittest.TestCase):
         np.testing.assert_allclose(transforms.affine_between(line, line + 1.0), np.eye(3, 4) + [[0, 0, 0, 1]] * 3,
                                    atol=1e-9)
 
+    def test_the_scale_of_what_turns_and_scales_alone(self) -> None:
+        turn, _ = np.linalg.qr(self.matrix)
+        turn *= np.sign(np.linalg.det(turn))
+        for scale in (100.0, 1.0, 0.01):
+            self.assertAlmostEqual(transforms.scale_of(np.c_[scale * turn, self.points[0]]), scale, 9)
+        for other in (-turn, turn * (1.0, 1.0, 1.01), turn + 0.1 * self.matrix, 0.0 * turn):
+            self.assertIsNone(transforms.scale_of(np.c_[other, self.points[0]]))
+
     def test_single_precision_stays_single(self) -> None:
         matrix, points = self.matrix.astype(np.float32), self.points.astype(np.float32)
         found = transforms.turned(matrix, points)

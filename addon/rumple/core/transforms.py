@@ -11,6 +11,7 @@ import numpy as np
 JACOBI_ROUNDS = 6
 FITS = 8  # of affine_between()
 FITTING = 1e-4  # of the size: how near points come that an affine map moved
+SIMILAR = 1e-3  # of scale_of(): between the axes
 FLAT, TINY = 1e-10, 1e-30  # of the largest moment; of an area
 
 
@@ -99,6 +100,15 @@ def affine_between(before: np.ndarray, after: np.ndarray) -> np.ndarray | None:
     size = np.sqrt((np.ptp(after, axis=0) ** 2).sum())
     still = np.abs(placed(affine, before) - before).max() <= FITTING * size
     return None if still or np.median(distance) > FITTING * size else affine
+
+
+def scale_of(affine: np.ndarray) -> float | None:
+    """How many times as long everything is after an affine map (3, 4) that turns and scales. None where it scales by
+    axes, mirrors or shears."""
+    squares = turned(affine[:, :3].T, affine[:, :3].T)
+    scale = math.sqrt(max(float(squares[0, 0] + squares[1, 1] + squares[2, 2]) / 3.0, 0.0))
+    mirrors = determinant(affine[:, :3]) <= 0.0
+    return None if mirrors or np.abs(squares - scale**2 * np.eye(3)).max() > SIMILAR * scale**2 else scale
 
 
 def redirected(affine: np.ndarray, vectors: np.ndarray) -> np.ndarray:

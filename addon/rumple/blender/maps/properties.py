@@ -73,6 +73,9 @@ class RUMPLE_PosedBone(bpy.types.PropertyGroup):
                                           description="Armature space; the root's is the space of comparison")
     basis: bpy.props.FloatVectorProperty(size=16, override={"LIBRARY_OVERRIDABLE"},
                                          description="The bone's own channels, for Go to Pose")
+    rest: bpy.props.FloatVectorProperty(size=9, override={"LIBRARY_OVERRIDABLE"},
+                                        description="Where the bone was at rest when the pose was stored: head, tail "
+                                                    "and a point on its x axis")  # zeros: not known
 
 
 class RUMPLE_KeyValue(bpy.types.PropertyGroup):

@@ -10,7 +10,7 @@ from .. import compat
 from ..nodes.maps_mask_tree import Shape
 from ..objects import messages, modifier
 from . import (comparison as comparisons, hidden_meshes as maps_meshes, modifier as maps_modifier,
-               runtimes as maps_runtimes)
+               runtimes as maps_runtimes, stored_poses)
 from .runtimes import Runtime
 
 
@@ -71,6 +71,7 @@ def prepare(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier) -> None:
 
 
 def _prepare(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier, runtime: Runtime) -> None:
+    stored_poses.remember_rest(obj)
     comparisons.ensure(obj, runtime)
     comparison, front = runtime.comparison, _wrinkles_in_front(obj, nodes_mod)
     if comparison is None:

@@ -7,11 +7,11 @@ from typing import Any
 import bpy
 import numpy as np
 
-from ...core import poses
+from ...core import poses, transforms
 from ...core.engine import UserError
 from ...core.poses import PoseRig, ReferencePose, SkinWeights, TrackedBone, TrackedKey
 from ...core.shape_keys import with_keys
-from . import keys as maps_keys
+from . import keys as maps_keys, stored_poses
 
 _SAME = 1e-6  # of the value of a shape key
 _MOVED = 1e-4  # of the armature's size: bones that Blender computes anew come back to rest but for roundings
@@ -135,6 +135,14 @@ class _Pose:
             found[missing] = otherwise[missing]
         return found
 
+    def carry(self, affine: np.ndarray, scale: float) -> None:
+        """As an affine map (3, 4) has it, which turns and scales. Matrices of bones stay as long: Blender's do."""
+        self.points = transforms.placed(affine, self.points.reshape(-1, 3)).reshape(-1, 6).astype(np.float32)
+        for matrix in self.matrices.values():
+            columns = transforms.turned(affine[:, :3] / scale, matrix[:3, :3].T)
+            matrix[:3, 3] = transforms.placed(affine, matrix[None, :3, 3])[0]
+            matrix[:3, :3] = columns.T
+
 
 def _read(bones: Any, head: str, tail: str, matrix: Any, root: str) -> _Pose:
     """From a collection of bones: the names of its properties, and of the root's matrix how to get it."""
@@ -238,6 +246,13 @@ def _pose_of(obj: bpy.types.Object, records: Any, name: str, names: list[str], o
     if root and root not in stored.index:
         raise UserError(f"{obj.name}: {name} was stored without the root bone {root}: update it")
     _note_unknown(obj, name, [bone for bone in names if bone not in stored.index], notes)
+    armature = armature_of(obj)
+    applied = stored_poses.applied_since(records, armature)
+    scale = None if applied is None else transforms.scale_of(applied)
+    if scale is not None:
+        stored.carry(applied, scale)
+    elif applied is not None:
+        notes.append(f"{obj.name}: {armature.name} was stretched or mirrored since {name} was stored: update it")
     return stored.relative(obj, root, names, otherwise)
 
 

@@ -1,15 +1,24 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Reference poses as they are stored with an object: bones and shape keys, by their names."""
+"""Reference poses as they are stored with an object: bones and shape keys, by their names.
+
+Bones are stored in armature space, which Apply (Ctrl A) of the armature's scale, rotation or location changes. So where
+each bone was at rest is stored with it. Whoever reads the pose compares that with the bones as they rest now; nothing
+has to be written when they change, and undo and linked poses need no care.
+"""
 from __future__ import annotations
 
 from typing import Any, Sequence
 
 import bpy
+import numpy as np
 
+from ...core import transforms
+from .. import compat
 from . import keys as maps_keys
 
 Records = tuple[Any, Any]  # collections of RUMPLE_PosedBone and of RUMPLE_KeyValue
-StoredBone = tuple[str, Sequence[float], Sequence[float], Sequence[float], Sequence[float]]  # as in RUMPLE_PosedBone
+Numbers = Sequence[float]
+StoredBone = tuple[str, Numbers, Numbers, Numbers, Numbers, Numbers]  # as in RUMPLE_PosedBone
 Stored = tuple[list[StoredBone], dict[str, float]]
 
 
@@ -29,16 +38,20 @@ def is_captured(settings: bpy.types.PropertyGroup) -> bool:
 def store(records: Records, obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> None:
     """The present pose: all bones of the armature, where there is one, and all shape keys."""
     armature = obj.find_armature()
-    bones: list[StoredBone] = [] if armature is None else [
-        (bone.name, bone.head, bone.tail, _flat(bone.matrix), _flat(bone.matrix_basis))
-        for bone in armature.evaluated_get(depsgraph).pose.bones]
+    bones: list[StoredBone] = []
+    if armature is not None:
+        rests = _rests(armature)
+        bones = [(bone.name, bone.head, bone.tail, _flat(bone.matrix), _flat(bone.matrix_basis),
+                  rests[bone.name].tolist())
+                 for bone in armature.evaluated_get(depsgraph).pose.bones]
     write(records, (bones, maps_keys.values(obj, depsgraph)))
 
 
 def read(records: Records) -> Stored:
     """What write() takes."""
     bones, keys = records
-    return ([(r.name, tuple(r.head), tuple(r.tail), tuple(r.matrix), tuple(r.basis)) for r in bones],
+    return ([(r.name, tuple(r.head), tuple(r.tail), tuple(r.matrix), tuple(r.basis), tuple(r.rest))
+             for r in bones],
             maps_keys.of_records(keys))
 
 
@@ -47,7 +60,7 @@ def write(records: Records, stored: Stored) -> None:
     bones, keys = stored
     for name, *values in bones:
         record = _record(records[0], name)
-        record.head, record.tail, record.matrix, record.basis = values
+        record.head, record.tail, record.matrix, record.basis, record.rest = values
     for name, value in keys.items():
         _record(records[1], name).value = value
     _keep_only(records[0], {bone[0] for bone in bones})
@@ -72,6 +85,55 @@ def _flat(matrix: Any) -> list[float]:
     return [value for row in matrix for value in row]
 
 
+# ---------------------------------------------------------------- applied transforms of the armature
+def _rests(armature: bpy.types.Object) -> dict[str, np.ndarray]:
+    """Bone -> (9,) float32: head, tail and a point on its x axis, as far from the head as the tail. Armature space.
+
+    Three points, for one bone is to tell how large and which way the rig is.
+    """
+    bones = armature.data.bones
+    matrices, lengths = np.empty(16 * len(bones), np.float32), np.empty(len(bones), np.float32)
+    bones.foreach_get("matrix_local", matrices)
+    bones.foreach_get("length", lengths)
+    x_axes, y_axes, _, heads = matrices.reshape(-1, 4, 4)[:, :, :3].transpose(1, 0, 2)  # by columns
+    ends = [heads, heads + lengths[:, None] * y_axes, heads + lengths[:, None] * x_axes]
+    return dict(zip(bones.keys(), np.concatenate(ends, axis=1)))
+
+
+def remember_rest(obj: bpy.types.Object) -> None:
+    """For poses of files in which no rest is stored: that of now, as long as nothing is applied. Structural work.
+
+    Not in a library override: what is linked may get its own later, which the override would hide.
+    """
+    settings, armature = obj.rumple_maps, obj.find_armature()
+    if armature is None or not compat.is_editable(obj) or obj.override_library is not None:
+        return
+    stored = [settings.neutral, *(pose.bones for pose in settings.poses)]
+    unknown = [record for records in stored if len(records) and not any(records[0].rest) for record in records]
+    rests = _rests(armature) if unknown else {}
+    for record in unknown:
+        record.rest = rests.get(record.name, record.rest)
+
+
+def applied_since(records: Any, armature: bpy.types.Object) -> np.ndarray | None:
+    """(3, 4): what has moved most bones of an armature at rest since a pose was stored, both in armature space. None
+    where they are where they were, were edited, or it is not known where they were."""
+    former = np.empty(9 * len(records), np.float32)
+    records.foreach_get("rest", former)
+    rests = _rests(armature)
+    pairs = [(rest, rests[record.name]) for rest, record in zip(former.reshape(-1, 9), records)
+             if record.name in rests and rest.any()]
+    if not pairs:
+        return None
+    before, now = np.array(pairs).transpose(1, 0, 2)
+    if np.array_equal(before, now):
+        return None
+    moved = transforms.affine_between(before.reshape(-1, 3), now.reshape(-1, 3))
+    if moved is None:  # the x axis of a bone that is stretched is not where its point went
+        moved = transforms.affine_between(before[:, :6].reshape(-1, 3), now[:, :6].reshape(-1, 3))
+    return moved
+
+
 # ---------------------------------------------------------------- going there
 def go_to(records: Records, obj: bpy.types.Object) -> tuple[list[str], list[str]]:
     """Set bones and shape keys as stored; returns the names of bones and of keys that are not there."""
@@ -84,12 +146,16 @@ def pose_bones(records: Any, armature: bpy.types.Object) -> list[str]:
     """Put the bones of an armature where a stored pose has them; returns the names it does not have."""
     from mathutils import Matrix
     missing = []
+    applied = applied_since(records, armature)
+    longer = applied is not None and transforms.scale_of(applied) or 1.0
     for record in records:
         bone = armature.pose.bones.get(record.name)
         if bone is None:
             missing.append(record.name)
         else:
-            bone.matrix_basis = Matrix([record.basis[row:row + 4] for row in range(0, 16, 4)])
+            basis = Matrix([record.basis[row:row + 4] for row in range(0, 16, 4)])
+            basis.translation *= longer
+            bone.matrix_basis = basis
     return missing
 
 
