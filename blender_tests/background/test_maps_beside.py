@@ -180,6 +180,49 @@ class Beside(unittest.TestCase):
             bpy.context.scene.frame_set(2)
         self.check(6)
 
+    def settle(self) -> None:
+        """As the timer of a window."""
+        bpy.context.view_layer.update()
+        if scheduler.work_is_due():
+            scheduler.sync_all()
+
+    def test_nothing_stays_of_what_is_removed_in_any_way_and_order(self) -> None:
+        """Removed by Blender's X the Wrinkle Mesh left its output object behind, for Wrinkle Maps still read it."""
+        def ours() -> list[str]:
+            return [item.name for items in (bpy.data.objects, bpy.data.meshes, bpy.data.node_groups) for item in items
+                    if item.name != "Face" and item not in (self.rig, self.rig.data)]
+
+        def crossed(find: Any) -> Any:
+            return lambda: self.obj.modifiers.remove(find(self.obj))
+
+        maps = (bpy.ops.rumple.maps_remove, crossed(maps_modifier.find))
+        others = (bpy.ops.object.rumple_remove, crossed(modifier.find))
+        ways = [(first, then) for one in maps for other in others for first, then in ((one, other), (other, one))]
+        for number, (first, then) in enumerate(ways):
+            for frame_between in (True, False):
+                with self.subTest(f"{number} {frame_between}"):
+                    self.setUp()
+                    add_wrinkles(self.obj, "MESH")
+                    self.check(6)
+                    self.assertIn("Face.wrinkles", ours())
+                    first()
+                    if first in others and frame_between:
+                        scheduler.sync_all()
+                        self.assertNotIn("Face.wrinkles", ours())
+                    then()
+                    self.settle()
+                    self.assertEqual(ours(), [])
+                    self.assertEqual(self.obj.rumple.method, "NONE")
+
+    def test_our_buttons_leave_nothing_at_once(self) -> None:
+        """Scripts have no window whose timer works."""
+        add_wrinkles(self.obj, "MESH")
+        self.check(6)
+        with scheduler.suspended():
+            bpy.ops.object.rumple_remove()
+            bpy.ops.rumple.maps_remove()
+        self.assertEqual([obj.name for obj in bpy.data.objects], ["Face", "Rig"])
+
     def test_subdivision_in_front_shows_no_mask_and_is_named(self) -> None:
         subdivision = self.obj.modifiers.new("Smooth", "SUBSURF")
         compat.move_modifier(self.obj, len(self.obj.modifiers) - 1, 1)

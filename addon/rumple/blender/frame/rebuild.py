@@ -183,6 +183,7 @@ def _tidy_removed(wrinkled: set[str]) -> None:
             continue
         if obj.rumple.method not in ("NONE", "MAPS"):  # those are up to maps/rebuild.py
             drop_traces(obj)
+    modifier.drop_unused_groups()
     drop_orphan_outputs()
     field_profile.drop_orphans()
 

@@ -85,6 +85,11 @@ def remove(obj: bpy.types.Object) -> None:
         modifier.delete_hidden(former)
 
 
+def drop_unused_trees() -> None:
+    """Of modifiers that Blender's own buttons removed."""
+    _MAPPED.drop_unused_groups()
+
+
 def _mesh_object(nodes_mod: bpy.types.NodesModifier, name: str) -> bpy.types.Object | None:
     found = get_input(nodes_mod, name)
     return found if isinstance(found, bpy.types.Object) and found.type == "MESH" else None

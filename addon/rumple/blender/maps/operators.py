@@ -15,6 +15,7 @@ import bpy
 from ... import native
 from ...core.engine import UserError
 from .. import compat, scheduler
+from ..frame import rebuild as frame_rebuild
 from ..nodes import maps_shader
 from ..translation import said
 from . import (changes as maps_changes, keys as maps_keys, modifier as maps_modifier, rebuild as maps_rebuild,
@@ -91,6 +92,7 @@ def remove_maps(obj: bpy.types.Object) -> None:
     """Modifier, output object and the nodes in materials; the reference poses stay with the object."""
     hide(obj)
     maps_modifier.remove(obj)
+    frame_rebuild.drop_orphan_outputs()  # the maps may have been the last to read one
     maps_rebuild.note_method(obj)
     group = obj.rumple_maps.group
     obj.rumple_maps.group = None

@@ -7,6 +7,7 @@ import bpy
 from ...core.engine import UserError
 from ...core.poses import strengths
 from .. import compat
+from ..frame import rebuild as frame_rebuild
 from ..nodes.maps_mask_tree import Shape
 from ..objects import messages, modifier
 from . import (comparison as comparisons, hidden_meshes as maps_meshes, modifier as maps_modifier,
@@ -119,9 +120,11 @@ def _split_shared(objects: list[tuple[bpy.types.Object, bpy.types.NodesModifier]
 
 
 def _tidy(used: set[bpy.types.Object | None]) -> None:
-    """Skins and skeletons whose modifier was removed or applied by Blender's own buttons."""
+    """Trees, skins and skeletons whose modifier was removed or applied by Blender's own buttons."""
+    maps_modifier.drop_unused_trees()
     candidates = {o for o in bpy.data.objects if maps_meshes.KEY in o} - used
     if candidates:
         for candidate, users in bpy.data.user_map(subset=candidates).items():
             if not users:
                 modifier.delete_hidden(candidate)
+    frame_rebuild.drop_orphan_outputs()  # of other wrinkles that went: maps behind them read these until now

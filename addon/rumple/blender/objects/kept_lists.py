@@ -11,7 +11,7 @@ from typing import Callable, Iterable, Iterator
 
 import bpy
 
-from .. import compat
+from .. import compat, scheduler
 from ..nodes.modifier_inputs import get_input, set_input
 
 Found = tuple[bpy.types.Object, bpy.types.NodesModifier]
@@ -24,6 +24,7 @@ class ModifiedObjects:
         """is_ours: of the node groups of that kind. hidden: their inputs that hold hidden objects."""
         self.is_ours, self.hidden = is_ours, hidden
         self._names: list[tuple[str, str | None]] | None = None  # with the file that a linked object comes from
+        self._count = 0  # when they were searched for last
         _all.append(self)
 
     def find(self, obj: bpy.types.Object) -> bpy.types.NodesModifier | None:
@@ -43,14 +44,21 @@ class ModifiedObjects:
                 set_input(nodes_mod, name, None)
         obj.modifiers.remove(nodes_mod)
         self.forget()
-        if group.users == 0 and compat.is_editable(group):
-            bpy.data.node_groups.remove(group)
+        _drop_unused(group)
+
+    def drop_unused_groups(self) -> None:
+        """Node groups whose last modifier was removed by Blender's own buttons."""
+        for group in [group for group in bpy.data.node_groups if self.is_ours(group)]:
+            _drop_unused(group)
 
     def __iter__(self) -> Iterator[Found]:
         found = self._looked_up()
         if found is None:
             found = self._searched()
             self._names = [(obj.name, obj.library and obj.library.filepath) for obj, _ in found]
+            if len(found) < self._count:
+                scheduler.request()  # Blender's X says nothing: what the modifier leaves behind is to go
+            self._count = len(found)
         return iter(found)
 
     def _looked_up(self) -> list[Found] | None:
@@ -74,6 +82,11 @@ class ModifiedObjects:
         candidates = (obj for obj in bpy.data.objects if obj.type == "MESH" and len(obj.modifiers))
         pairs = ((obj, self.find(obj)) for obj in candidates)
         return [(obj, nodes_mod) for obj, nodes_mod in pairs if nodes_mod is not None]
+
+
+def _drop_unused(group: bpy.types.NodeTree) -> None:
+    if group.users == 0 and compat.is_editable(group):
+        bpy.data.node_groups.remove(group)
 
 
 _all: list[ModifiedObjects] = []

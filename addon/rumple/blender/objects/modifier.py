@@ -267,6 +267,11 @@ def take_out_of_scenes(hidden: Iterable[bpy.types.Object | None]) -> None:
                 collection.objects.unlink(obj)
 
 
+def drop_unused_groups() -> None:
+    """Node groups of wrinkles that Blender's own buttons removed."""
+    _WRINKLED.drop_unused_groups()
+
+
 def delete_hidden(hidden: bpy.types.Object) -> None:
     """Remove an output or cache object that nothing refers to, and its mesh."""
     if not compat.is_editable(hidden):
