@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import tempfile
 import unittest
+import unittest.mock
 
 import bpy
 import numpy as np
@@ -12,7 +13,8 @@ from rumple.blender import compat, scheduler
 from rumple.blender.nodes import field_profile, field_shader
 from rumple.blender.objects import changes, mesh_reader, modifier, runtimes
 from rumple.blender.ui import operators
-from rumple.core.wrinkle_field import PHASE, U_GRADIENT, VECTORS, WEIGHT
+from rumple.core.engine import UserError
+from rumple.core.wrinkle_field import PHASE, U_GRADIENT, VECTORS, WEIGHT, WrinkleField
 from support import sleeve, wave_shader_cases
 from support.one_blender import long_one
 
@@ -105,6 +107,41 @@ class OneClick(unittest.TestCase):
         bpy.ops.object.rumple_remove()
         self.assertEqual(kinds(), before)
         self.assertEqual([a.name for a in obj.data.attributes if a.name.startswith("rumple")], [])
+
+    def test_applied_they_are_geometry_whatever_shows_them(self) -> None:
+        """Materials drew the waves, so the applied mesh had none. So did a baked clip."""
+        obj = waving(output="GEOMETRY")
+        sleeve.at(20)
+        seen = sleeve.shown(obj)
+        for baked in (False, True):
+            with self.subTest(baked=baked), tempfile.TemporaryDirectory() as folder:
+                obj = waving(output="SHADING")
+                sleeve.at(20)
+                flat = sleeve.shown(obj)
+                if baked:
+                    bpy.context.scene.frame_end = 20
+                    bpy.ops.wm.save_as_mainfile(filepath=os.path.join(folder, "sleeve.blend"))
+                    bpy.ops.object.rumple_bake()
+                    sleeve.at(20)
+                self.assertEqual(bpy.ops.object.rumple_apply(), {"FINISHED"})
+                applied = compat.positions(obj.data)
+                self.assertEqual(len(applied), len(seen))
+                self.assertGreater(len(applied), 3 * len(flat))
+                np.testing.assert_array_equal(applied, seen)
+                self.assertEqual((list(obj.modifiers), sleeve.names(bpy.data.objects)), ([], ["Arm", "Sleeve"]))
+                self.assertFalse(any(map(field_shader.shows_waves, obj.data.materials)))
+                self.assertEqual(obj.rumple.field.output, "SHADING")  # for another one on the same object
+
+    def test_a_refused_apply_changes_nothing(self) -> None:
+        obj = waving(output="SHADING")
+        sleeve.at(20)
+        before = sleeve.shown(obj)
+        with unittest.mock.patch.object(WrinkleField, "build", side_effect=UserError("Sleeve: too fine")):
+            with self.assertRaisesRegex(RuntimeError, "Sleeve: too fine"):
+                bpy.ops.object.rumple_apply()
+        sleeve.at(20)
+        np.testing.assert_array_equal(sleeve.shown(obj), before)
+        self.assertEqual((obj.rumple.field.output, obj.rumple.message), ("SHADING", ""))
 
     def test_played_frames_come_back_to_the_bit(self) -> None:
         obj = waving()

@@ -13,13 +13,13 @@ from .farm import command as farm_command, operators as farm_operators
 from .maps import (bake as maps_bake, export as maps_export, operators as maps_operators, overlay as maps_overlay,
                    panel as maps_panel, pose_operators as maps_pose_operators, properties as maps_properties)
 from .objects import guide_curves, properties
-from .ui import (copy_settings, examples, fabrics, guide_operators, healing, held_mouse, menus, operators,
-                 paint_operators, panels, paths_operators, rebuild_progress, saved_settings, thumbnails,
+from .ui import (apply_operator, copy_settings, examples, fabrics, guide_operators, healing, held_mouse, menus,
+                 operators, paint_operators, panels, paths_operators, rebuild_progress, saved_settings, thumbnails,
                  weight_tools)
 from .viewport import paths_overlay, preview
 
 _MODULES = (manual, translation, properties, guide_curves, maps_properties, thumbnails, fabrics, operators,
-            paint_operators, guide_operators, paths_operators, held_mouse, rebuild_progress, healing,
+            apply_operator, paint_operators, guide_operators, paths_operators, held_mouse, rebuild_progress, healing,
             copy_settings, saved_settings, weight_tools, examples, maps_operators, maps_pose_operators, maps_export,
             maps_bake, bake_operators, panels, menus, maps_panel, maps_overlay, handlers, farm_command,
             farm_operators, preview, paths_overlay, brush_operators)  # the last three draw, in this order

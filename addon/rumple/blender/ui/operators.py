@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The buttons: add, remove, apply, preset, shade, capture the rest shape, forget stored frames.
+"""The buttons: add, remove, preset, shade, capture the rest shape, forget stored frames. Apply is in apply_operator.py.
 
-bpy.ops.object.rumple_add(method="MESH"), rumple_remove(), rumple_apply(), rumple_preset(preset="DENIM"),
-rumple_shade(), rumple_unshade(), rumple_capture_rest(), rumple_clear_frames().
+bpy.ops.object.rumple_add(method="MESH"), rumple_remove(), rumple_preset(preset="DENIM"), rumple_shade(),
+rumple_unshade(), rumple_capture_rest(), rumple_clear_frames().
 """
 from __future__ import annotations
 
@@ -16,13 +16,12 @@ from ..frame import disk_frames, rebuild
 from ..maps import rebuild as maps_rebuild
 from ..nodes import field_shader, wrinkle_tree
 from ..objects import (bodies, body_search, cloth_defaults, coarse_copy, free_parts, incoming_mesh, made_collections,
-                       mesh_reader, modifier, properties, rig_scale, runtimes, stack_notes, subdivision_behind,
-                       viewport_mesh)
+                       mesh_reader, modifier, properties, rig_scale, runtimes, stack_notes, subdivision_behind)
 from ..translation import said
 from . import fabrics, thumbnails
 
 _NEXT = "Next: play it; fabric and folds are set in its panel, in the modifier tab"
-_NOT_SHOWN = "The wrinkles do not show: switch the modifier on in the viewport first"
+NOT_SHOWN = "The wrinkles do not show: switch the modifier on in the viewport first"
 
 
 def _added_presets(operator: bpy.types.Operator, _context: bpy.types.Context | None) -> tuple:
@@ -127,7 +126,7 @@ class OBJECT_OT_rumple_add(bpy.types.Operator):
         bodies.connect_all()
         if modifier.output_object(nodes_mod) is None:
             why = runtimes.message(obj) or f"{obj.name}: nothing to wrinkle"
-            _remove(obj)
+            remove(obj)
             return self._refuse(why)
         self._report(obj, notes, [note] if note else [])
         return {"FINISHED"}
@@ -273,7 +272,7 @@ class OBJECT_OT_rumple_unshade(_OnWaves, bpy.types.Operator):
         return {"FINISHED"}
 
 
-def _remove(obj: bpy.types.Object) -> None:
+def remove(obj: bpy.types.Object) -> None:
     """The wrinkles. Wrinkle Maps beside them stay, and are the object's method then."""
     rebuild.remove_all(obj)
     maps_rebuild.note_method(obj)
@@ -286,56 +285,8 @@ class OBJECT_OT_rumple_remove(ui_base.OnWrinkled, bpy.types.Operator):
     bl_label = "Remove Wrinkles"
 
     def execute(self, context: bpy.types.Context) -> set[str]:
-        _remove(context.object)
+        remove(context.object)
         return {"FINISHED"}
-
-
-class OBJECT_OT_rumple_apply(ui_base.OnWrinkled, bpy.types.Operator):
-    """Make the mesh what is seen now, with its wrinkles. Modifiers above them and shape keys are applied too"""
-
-    bl_idname = "object.rumple_apply"
-    bl_label = "Apply Wrinkles"
-
-    def execute(self, context: bpy.types.Context) -> set[str]:
-        obj = context.object
-        with viewport_mesh.paused():
-            obj.update_tag()
-            context.view_layer.update()
-            mesh = evaluated_mesh(context, obj)
-        if wrinkle_tree.BASE_POSITION not in mesh.attributes:
-            bpy.data.meshes.remove(mesh)
-            self.report({"ERROR"}, said(runtimes.message(obj) or _NOT_SHOWN))
-            return {"CANCELLED"}
-        before = list(obj.modifiers)[:list(obj.modifiers).index(modifier.find(obj))]
-        for name in [m.name for m in before]:
-            obj.modifiers.remove(obj.modifiers[name])
-        modifier.keep_parent_without_deforming(obj)
-        former = obj.data
-        if former.shape_keys is not None and former.users == 1:
-            obj.shape_key_clear()
-        name = former.name
-        obj.data = mesh
-        _remove(obj)
-        if former.users == 0:
-            bpy.data.meshes.remove(former)
-        mesh.name = name
-        return {"FINISHED"}
-
-
-def evaluated_mesh(context: bpy.types.Context, obj: bpy.types.Object) -> bpy.types.Mesh:
-    """A new mesh: the object of this frame, as the wrinkles hand it to later modifiers."""
-    nodes_mod = modifier.find(obj)
-    later = list(obj.modifiers)[list(obj.modifiers).index(nodes_mod) + 1:]
-    shown = [m for m in later if m.show_viewport]
-    for m in shown:
-        m.show_viewport = False
-    try:
-        depsgraph = context.evaluated_depsgraph_get()
-        evaluated = obj.evaluated_get(depsgraph)
-        return bpy.data.meshes.new_from_object(evaluated, preserve_all_data_layers=True, depsgraph=depsgraph)
-    finally:
-        for m in shown:
-            m.show_viewport = True
 
 
 class OBJECT_OT_rumple_capture_rest(ui_base.OnWrinkled, bpy.types.Operator):
@@ -365,7 +316,7 @@ class OBJECT_OT_rumple_capture_rest(ui_base.OnWrinkled, bpy.types.Operator):
             scheduler.sync_all()
         scene.frame_set(now[0], subframe=now[1])
         if positions is None:
-            self.report({"ERROR"}, said(runtimes.message(obj) or _NOT_SHOWN))
+            self.report({"ERROR"}, said(runtimes.message(obj) or NOT_SHOWN))
             return {"CANCELLED"}
         return {"FINISHED"}
 
@@ -388,7 +339,7 @@ class OBJECT_OT_rumple_clear_frames(ui_base.OnWrinkled, bpy.types.Operator):
         return {"FINISHED"}
 
 
-CLASSES = (OBJECT_OT_rumple_add, OBJECT_OT_rumple_remove, OBJECT_OT_rumple_apply, OBJECT_OT_rumple_shade,
-           OBJECT_OT_rumple_unshade, OBJECT_OT_rumple_capture_rest, OBJECT_OT_rumple_clear_frames)
+CLASSES = (OBJECT_OT_rumple_add, OBJECT_OT_rumple_remove, OBJECT_OT_rumple_shade, OBJECT_OT_rumple_unshade,
+           OBJECT_OT_rumple_capture_rest, OBJECT_OT_rumple_clear_frames)
 
 register, unregister = bpy.utils.register_classes_factory(CLASSES)

@@ -140,6 +140,8 @@ class DATA_PT_rumple_waves(Panel, bpy.types.Panel):
                 column.prop(settings, name)
             column.prop(obj.rumple, "most_vertices")
             column.separator()
+        else:
+            draw_note(column, "Apply in this panel makes the waves geometry; Blender's own Apply leaves them out")
         for name in ("buckling_threshold", "dissolve", "irregularity", "seed", "profile"):
             column.prop(settings, name)
         curve = field_profile.node(obj) if settings.profile == "CURVE" else None
