@@ -5,7 +5,9 @@ A trial of this kind once found fifteen things wrong: docs/habits.md says where 
 """
 from __future__ import annotations
 
+import tempfile
 import unittest
+from pathlib import Path
 from typing import Any, Iterator
 from unittest import mock
 
@@ -15,11 +17,12 @@ from bl_ui.space_toolsystem_common import ToolSelectPanelHelper
 from mathutils import Vector
 from rumple.blender.brush import overlay
 from rumple.blender.objects import modifier, runtimes
-from rumple.blender.ui import held_mouse
+from rumple.blender.ui import examples, held_mouse
 from rumple.core.wrinkle_mesh import WrinkleMesh
 from support import sleeve
 from support.artist import Artist
 
+EXAMPLES_FROM_RIGHT = 115  # pixels, in the header of the panel
 PAUSE = 0.6  # seconds: longer than a rebuild is put off after a change
 
 
@@ -155,6 +158,21 @@ class FirstClick(Hand):
         for words in ("Drape", "Wavelength", "Apply", "Cloth", "Bake", "Status"):
             yield from self.see(words, "PROPERTIES")
         self.assertEqual(self.obj.rumple.message, "")
+        yield from self.maximise("PROPERTIES")
+
+    def test_the_header_has_the_examples(self) -> Iterator[float]:
+        folder = Path(self.enterContext(tempfile.TemporaryDirectory()))
+        (folder / "A_sleeve.blend").touch()
+        self.enterContext(mock.patch.object(examples, "FOLDER", folder))
+        yield from self.begin()
+        yield from self.modifier_tab()
+        yield from self.see("Wrinkle Mesh", "PROPERTIES", which=-1)
+        title = self.places("Cotton", "PROPERTIES", alone=False)[0]
+        self.screenshot("header_with_examples")
+        yield from self.click((self.box("PROPERTIES").right - EXAMPLES_FROM_RIGHT, title.middle[1]))
+        yield from self.see("A sleeve")
+        self.screenshot("examples_in_header")
+        yield from self.press("ESC")
         yield from self.maximise("PROPERTIES")
 
     def test_a_field_and_paths_fit_into_one_screen(self) -> Iterator[float]:

@@ -63,6 +63,8 @@ def look_at_it() -> None:
 
 
 class OBJECT_MT_rumple_examples(bpy.types.Menu):
+    """Scenes with wrinkles, to open and play"""
+
     bl_label = "Open Example"
 
     def draw(self, _context: bpy.types.Context) -> None:
@@ -70,6 +72,12 @@ class OBJECT_MT_rumple_examples(bpy.types.Menu):
         self.layout.operator_context = "INVOKE_DEFAULT"
         for name in files():
             self.layout.operator("wm.rumple_open_example", text=name).name = name
+
+
+def draw_button(row: bpy.types.UILayout) -> None:
+    """The same menu, of a header: its tooltip says what it is."""
+    if files():
+        row.menu("OBJECT_MT_rumple_examples", text="", icon="FILE_BLEND")
 
 
 def draw_menu(layout: bpy.types.UILayout) -> None:

@@ -15,7 +15,8 @@ from ..objects import changes, clip_place, modifier, properties, runtimes, stack
 from ..translation import OWN_CONTEXT, said
 from ..ui_base import Panel, draw_message, draw_note, draw_setting, named_paint, property_column, settings_column
 from ..viewport import preview
-from . import cloth_panel, guides_panel, healing, paint_panel, paths_panel, rest_panel, saved_settings, thumbnails
+from . import (cloth_panel, examples, guides_panel, healing, paint_panel, paths_panel, rest_panel, saved_settings,
+               thumbnails)
 
 ICONS = {"MESH": "MOD_CLOTH", "FIELD": "MOD_WAVE", "PATHS": "MOD_CURVE"}
 
@@ -35,13 +36,15 @@ class DATA_PT_rumple(bpy.types.Panel):
         return obj is not None and obj.type == "MESH" and modifier.find(obj) is not None
 
     def draw_header(self, context: bpy.types.Context) -> None:
-        room = ui_base.letters_across() - 12  # of the buttons
+        room = ui_base.letters_across() - (15 if examples.files() else 12)  # of the buttons
         words = "" if ui_base.is_narrow() else ui_base.shortened(title(context.object), room)
         self.layout.label(text=words, translate=False)
 
     def draw_header_preset(self, context: bpy.types.Context) -> None:
         nodes_mod = modifier.find(context.object)
         row = self.layout.row(align=True)
+        if not ui_base.is_narrow():  # where it would cover the arrow that opens the panel
+            examples.draw_button(row)
         row.prop(nodes_mod, "show_viewport", text="", emboss=False)
         row.prop(nodes_mod, "show_render", text="", emboss=False)
         saved_settings.DATA_PT_rumple_saved_settings.draw_panel_header(row)
