@@ -11,6 +11,7 @@ import numpy as np
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "scripts"))
 import bench_consistency as consistency  # noqa: E402
 import bench_measures as bench  # noqa: E402
+import bench_overview as overview  # noqa: E402
 import truth_measures as truth  # noqa: E402
 
 EDGE = 0.008  # metres
@@ -147,6 +148,24 @@ class Measures(unittest.TestCase):
             self.assertGreaterEqual(len(times[0]), consistency.MOMENTS)
             for other in times[1:]:
                 np.testing.assert_allclose(other, times[0])
+
+
+class Overview(unittest.TestCase):
+    """The table at the head of docs/bench.md."""
+
+    def test_it_is_written_from_the_tables_of_the_page(self) -> None:
+        page = overview.PAGE.read_text(encoding="utf-8")
+        self.assertEqual(overview.renewed(page), page)
+        self.assertEqual(page.count(f"| {overview.SIMULATED} |"), len(overview.scenes(page)))
+
+    def test_it_has_the_contenders_in_turn_and_folds_as_a_share(self) -> None:
+        head = "|  | ms | area kept | 55 to 110 | frame to frame | in the body, % | crossings |\n| --- |\n"
+        rows = "".join(f"| {name} | {number} | 1.0{number} | {2 * number}.0 | 0.{number} | {number} | 7{number} |\n"
+                       for number, name in enumerate(overview.CONTENDERS, 1))
+        page = f"# Bench\n\n## A cape (S9, frames 1 to 40)\n{head}{rows}\n## Density\n|  | ms |\n| --- |\n"
+        self.assertEqual(overview.overview(page).splitlines()[2:], [
+            "| A cape (S9) | 1 / 2 / 3 / 4 | 1.01 / 1.02 / 1.03 / 1.04 | 0.50 / 1.00 / 1.50 / 2.00 | "
+            "0.1 / 0.2 / 0.3 / 0.4 | 1 / 2 / 3 / 4 | 71 / 72 / 73 / 74 |"])
 
 
 if __name__ == "__main__":
