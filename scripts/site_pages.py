@@ -5,7 +5,7 @@
 
 The pages stand in the repository as they are read on a forge. What differs in the site is where a link leads: pages lie
 side by side there, the README is the start page, the C header is its reference, and any other file of the repository
-comes along to be downloaded. A link to what is not there is an error.
+comes along to be downloaded; clips are videos. A link to what is not there is an error.
 """
 from __future__ import annotations
 
@@ -14,6 +14,7 @@ import shutil
 import sys
 from pathlib import Path, PurePosixPath
 
+import site_clips
 import site_header
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -91,7 +92,8 @@ def add_pages(out: Path) -> list[str]:
         page = PurePosixPath(path.relative_to(ROOT).as_posix())
         target = out / name_in_site(page)
         target.parent.mkdir(parents=True, exist_ok=True)
-        target.write_text(linked_in_site(page, out, path.read_text(encoding="utf-8")), encoding="utf-8")
+        text = linked_in_site(page, out, path.read_text(encoding="utf-8"))
+        target.write_text(site_clips.with_videos(text, DOCS / "pictures", out), encoding="utf-8")
     return [str(name_in_site(PurePosixPath(path.relative_to(ROOT).as_posix())).with_suffix("")) for path in pages]
 
 

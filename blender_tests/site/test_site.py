@@ -27,6 +27,8 @@ _FOCUS = """(() => { const one = document.activeElement, style = getComputedStyl
             style.outlineStyle != 'none' || style.boxShadow != 'none' || one.matches('input'),
             box.width > 0 && box.height > 0] })()"""
 
+_VIDEOS = "[...document.querySelectorAll('video')]"
+_SOON = "new Promise(done => setTimeout(done, 500)).then(() =>"
 
 # Pages that have all that is coloured: tables, listings of every language, names of Python, the search.
 DARK = ("index", "search", "wrinkle_maps", "farm", "c_base", "python_core_fabrics")
@@ -140,6 +142,32 @@ class Site(unittest.TestCase):
         hidden = {link for link in missing if "/reference/" in link or "/lessons/" in link}  # folded up at the side
         self.assertEqual(missing - hidden, set())
         self.assertGreater(len(visited), 15)
+
+    def test_clips_play_and_a_keyboard_stops_them(self) -> None:
+        """Each is a video that stands still where less motion is wanted, and plays while it is seen elsewhere."""
+        clips = list((SITE / "_static" / "clips").glob("*.mp4"))
+        if not clips:
+            self.skipTest("no ffmpeg or no Pillow when the site was built: its clips are animated WebP, NOT TESTED")
+        with Browser() as browser:
+            browser.size(*site_check.NARROW)
+            browser.scheme("light")
+            browser.open(self.server.address + "gallery.html")
+            self.assertEqual(sorted(browser.run(f"{_VIDEOS}.map(one => one.src.split('/').pop())")),
+                             sorted(clip.name for clip in clips))
+            self.assertEqual(browser.run(f"{_VIDEOS}.filter(one => !one.paused || !one.ariaLabel).length"), 0)
+            browser.run(f"{_VIDEOS}[0].focus()")
+            for is_playing in (True, False):
+                browser.press(" ")
+                self.assertIs(browser.run(f"{_SOON} !{_VIDEOS}[0].paused)"), is_playing)
+            played = browser.run("Promise.all(%s.map(one => one.play().then(() => new Promise(done => "
+                                 "one.addEventListener('timeupdate', () => one.currentTime > 0 && done(one.duration)))"
+                                 ")))" % _VIDEOS)
+            self.assertEqual([seconds for seconds in played if not 1.0 < seconds < 6.1], [])
+            self.assertEqual(browser.problems, [])
+            browser.call("Emulation.setEmulatedMedia", features=[])
+            browser.open(self.server.address + "index.html")
+            browser.run(f"{_VIDEOS}[0].scrollIntoView()")
+            self.assertIs(browser.run(f"{_SOON} !{_VIDEOS}[0].paused)"), True)
 
 
 if __name__ == "__main__":
