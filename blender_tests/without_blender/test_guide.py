@@ -14,8 +14,15 @@ from rumple.core import guide
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "scripts"))
 import packaging  # noqa: E402
+from support import sentences  # noqa: E402
 
 GUIDE = (ROOT / "docs" / "user_guide.md").read_text(encoding="utf-8")
+
+_NEED_NO_GUIDE = {  # what was done, and steps of it
+    "{0}: folds run along {1}", "{0}: settings copied to {1}", "{0}: {1} shape keys. {2} is hidden",
+    "{0}: {1} weights, {2} frames", "{0}: settling the wrinkles", "{0}: storing the map",
+    "{0}: the former folds stay, and the settings are as they were",
+}
 
 
 def anchor_of(heading: str) -> str:
@@ -49,6 +56,23 @@ class Anchors(unittest.TestCase):
                     found += 1
         self.assertGreater(found, 25)
         self.assertEqual(guide.place_of_message("Baking wrinkles: 3 of 4"), "")
+
+    def test_every_message_opens_a_part(self) -> None:
+        """From the code to the guide: a message that is new has a place there too."""
+        checks = "".join(file.read_text(encoding="utf-8") for file in (ROOT / "native/surface/mesh").glob("*.cpp"))
+        odd = re.findall(r'(?:\.report\(|warnings\.push_back\(\s*)"([^"]+)"', checks)  # of a mesh: notes on the panel
+        self.assertGreater(len(odd), 4)
+        told = sentences.told(ROOT / "addon" / "rumple") | {f"{{0}}: {note}" for note in odd}
+        self.assertGreater(len(told), 180)
+        self.assertLessEqual(_NEED_NO_GUIDE, told)
+        self.assertEqual({text for text in told - _NEED_NO_GUIDE
+                          if not guide.place_of_message(re.sub(r"\{\d\}", "12", text))}, set())
+
+    def test_every_pattern_is_of_a_message(self) -> None:
+        """None is left of a text that has changed, and none is hidden by those before it."""
+        opened = {guide.place_of_message(re.sub(r"\{\d\}", "12", text))
+                  for text in sentences.told(ROOT / "addon" / "rumple")}
+        self.assertEqual({anchor for _pattern, anchor in guide.MESSAGES} - opened, set())
 
 
 class Address(unittest.TestCase):

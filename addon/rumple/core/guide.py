@@ -57,20 +57,47 @@ _GROUPS = {"mesh": "rumple_meshsettings", "field": "rumple_fieldsettings", "path
            "posed": "rumple_posedbone", "bone": "rumple_trackedbone", "maps": "rumple_maps", "keyed": "rumple_keyvalue",
            "key": "rumple_trackedkey", "guide": "rumple_guide", "*": "rumple_*settings"}
 
-# What a message says -> the heading below which the guide says what to do.
+# What a message says -> the heading below which the guide says what to do. The first one counts.
 MESSAGES = tuple((re.compile(pattern), anchor) for pattern, anchor in (
+    (r": unexpected ", "when-something-is-wrong"),
     (r"worn over|its body|of its bodies|was reached by a jump|Step of the scene|linked from a file of an older Rumple"
      r"|fewer than two openings", "body-and-cloth"),
     (r"outside the bake|[Bb]aked clip|of it is damaged|the disk of|nothing can be written|the folder .* is gone"
-     r"|changed since the bake|is too long for Windows", "bakes"),
-    (r"pose .* every bone|to be the root|do not sum to 1|has no bone|has no shape key|the same value in every pose"
-     r"|shape keys are absolute|cannot be set here: a driver", "reference-poses"),
-    (r"modifier \"|the other way, or inwards|more faces than two|lies on another face|uses a vertex twice"
+     r"|changed since the bake|is too long for Windows|: bake again|nothing (?:of it )?is \w+ at frame"
+     r"|choose another folder|Time Stretching is on|another file was opened", "bakes"),
+    (r"modifier \"|faces the other way|more faces than two|lies on another face|uses a vertex twice"
      r"|deforms the mesh|no valid position|scale is zero|the fine mesh would have|of the own mesh|has no room for"
-     r"|rest wrinkle of|away from the origin|other vertices in renders|leaves no faces"
-     r"|find their places|collides with it|parented to vertices|shows no waves", "the-mesh-and-its-modifiers"),
-    (r"raise Most Vertices|Esc stopped", "the-panel"),
-    (r"was healed", "where-it-stands"),
+     r"|rest wrinkle of|away from the origin|other vertices in renders|leaves no faces|removes points"
+     r"|find their places|collides with it|parented to vertices|shows no waves|Use Limit Surface|has no faces"
+     r"|stand at one place|nothing to wrinkle|: seams: |vertices without a face|meet only in a point"
+     r"|of zero (?:length|area)", "the-mesh-and-its-modifiers"),
+    (r"renders show its folds one frame late|custom normals|lets lists grow only", "known-limits"),
+    (r"nothing to bake|has no frame|is before the first|was never saved|clip is not deleted|is kept, |Bake cancelled",
+     "bake"),
+    (r"GPU Preview", "gpu-preview"),
+    (r"stored frame", "solver-and-stored-frames"),
+    (r"force field of this type|Independent Frames on, cloth", "swing"),
+    (r"^Layers need", "cloth"),
+    (r"of a guide|a guide is", "guides"),
+    (r"this preset|these settings|not known here", "presets"),
+    (r"profile curve", "waves-and-relaxation"),
+    (r"no height to go by", "wrinkle-paths"),
+    (r"to rest at|no rest shape is captured", "rest-shape"),
+    (r"to paint on|: apply it to paint|mesh was edited|is not a vector|are baked: free|switch the modifier on"
+     r"|nothing is solved yet", "rest-wrinkles"),
+    (r"open border|an image|no image|the pixels of|the UV map has|to paint$|is locked: unlock|is painted |^A mask of",
+     "paint"),
+    (r"pose .* every bone|to be the root|do not sum to 1|has no bone|has no shape key|the same value in every pose"
+     r"|shape keys are absolute|cannot be set here: a driver|without .*: update it|no armature deforms|is compared"
+     r"|are compared|to be compared|reference pose|no vertex group|name of pose|cannot be read"
+     r"|: expected|, .*: expected|has no name|are called", "reference-poses"),
+    (r"^material |: its materials|no material|[Ww]rinkle map|Cycles bakes|UV map to bake|cannot be baked|the maps? "
+     r"|no map shows|which bakes the maps|do not show in this pose|wrinkles cannot be made|masks are lost"
+     r"|relative shape keys", "poses-bones-and-shading"),
+    (r"raise Most Vertices|finer folds are asked|Esc stopped|not made anew yet", "the-panel"),
+    (r"fewer than the coarse|own fine mesh|are not attached", "fine-mesh"),
+    (r"was healed|to be healed", "where-it-stands"),
+    (r"installation of Rumple|Rumple's library", "what-the-packages-need"),
 ))
 
 

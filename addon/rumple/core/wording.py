@@ -10,7 +10,7 @@ class UserError(ValueError):
 
 
 # What the library says -> what the panel says. Names of arrays mean nothing to an artist.
-_SENTENCES = [(re.compile(pattern), sentence) for pattern, sentence in (
+SENTENCES = [(re.compile(pattern), sentence) for pattern, sentence in (
     (r"(?:next_)?positions: (vertex \d+) is not finite",
      r"\1 has no valid position in this frame (not a number): look at the shape keys, modifiers and simulations that "
      r"move it"),
@@ -42,7 +42,7 @@ _SENTENCES = [(re.compile(pattern), sentence) for pattern, sentence in (
 def user_error(name: str, error: Exception) -> UserError:
     """What the library refused of an object."""
     text = str(error)
-    for pattern, sentence in _SENTENCES:
+    for pattern, sentence in SENTENCES:
         if pattern.match(text):
             return UserError(f"{name}: {pattern.sub(sentence, text)}")
     return UserError(f"{name}: {text}")
