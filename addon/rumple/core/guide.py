@@ -80,7 +80,7 @@ MESSAGES = tuple((re.compile(pattern), anchor) for pattern, anchor in (
     (r"^Layers need", "cloth"),
     (r"of a guide|a guide is", "guides"),
     (r"this preset|these settings|not known here", "presets"),
-    (r"profile curve", "waves-and-relaxation"),
+    (r"profile curve|makes the waves geometry", "waves-and-relaxation"),
     (r"no height to go by", "wrinkle-paths"),
     (r"to rest at|no rest shape is captured", "rest-shape"),
     (r"to paint on|: apply it to paint|mesh was edited|is not a vector|are baked: free|switch the modifier on"
@@ -88,7 +88,8 @@ MESSAGES = tuple((re.compile(pattern), anchor) for pattern, anchor in (
     (r"open border|an image|no image|the pixels of|the UV map has|to paint$|is locked: unlock|is painted |^A mask of",
      "paint"),
     (r"pose .* every bone|to be the root|do not sum to 1|has no bone|has no shape key|the same value in every pose"
-     r"|shape keys are absolute|cannot be set here: a driver|without .*: update it|no armature deforms|is compared"
+     r"|shape keys are absolute|cannot be set here: a driver|without .*: update it|was stretched or mirrored"
+     r"|no armature deforms|is compared"
      r"|are compared|to be compared|reference pose|no vertex group|name of pose|cannot be read"
      r"|: expected|, .*: expected|has no name|are called", "reference-poses"),
     (r"^material |: its materials|no material|[Ww]rinkle map|Cycles bakes|UV map to bake|cannot be baked|the maps? "
