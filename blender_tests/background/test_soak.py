@@ -68,6 +68,16 @@ class Soak(unittest.TestCase):
         self.wrinkled("MESH", "OFF")
         self.soak("Wrinkle Mesh", self.positions)
 
+    def test_cloth_over_a_body(self) -> None:
+        """What the first click makes of a garment."""
+        obj = sleeve.scene(wrinkles=False)
+        obj.rumple.mesh.property_unset("base_cloth")
+        sleeve.under(obj)
+        bpy.ops.object.rumple_add(method="MESH")
+        settings = obj.rumple.mesh
+        self.assertEqual((settings.base_cloth, settings.layers, obj.rumple.body.name), ("HANG", "CLOTH", "Human"))
+        self.soak("Wrinkle Mesh, Hang, over a body", self.positions)
+
     def test_cloth_that_swings(self) -> None:
         self.wrinkled("MESH", "SWING")
         self.soak("Wrinkle Mesh, Swing", self.positions)
