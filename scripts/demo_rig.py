@@ -299,6 +299,24 @@ def animate(skeleton: bpy.types.Object, performance: Sequence[Pose] = PERFORMANC
         hips = skeleton.pose.bones["hips"]
         hips.location = hips.bone.matrix_local.to_3x3().inverted() @ hips_shift(pose)
         hips.keyframe_insert("location", frame=pose.frame)
+    stand_between(skeleton, performance)
+
+
+def stand_between(skeleton: bpy.types.Object, performance: Sequence[Pose]) -> None:
+    """Key the hips between poses as well: the foot of a leg that bends does not rise in step with hips that go down, but
+    with the cosine of the angle, and would go through the ground."""
+    scene, hips = bpy.context.scene, skeleton.pose.bones["hips"]
+    into_bone, found = hips.bone.matrix_local.to_3x3().inverted(), {}
+    for before, after in zip(performance, performance[1:]):
+        for frame in range(before.frame + 1, after.frame) if before.legs != after.legs else ():
+            scene.frame_set(frame)
+            off = [skeleton.pose.bones[f"foot.{side}"].head - skeleton.data.bones[f"foot.{side}"].head_local
+                   for side in SIDES]
+            alike = all(pose.legs[0] == pose.legs[1] for pose in (before, after))
+            found[frame] = hips.location - into_bone @ (off[0] if alike else Vector((0.0, 0.0, min(o.z for o in off))))
+    for frame, location in found.items():
+        hips.location = location
+        hips.keyframe_insert("location", frame=frame)
 
 
 def skin(target: bpy.types.Object, points: Array, skeleton: bpy.types.Object, hangs: bool = False) -> None:

@@ -39,11 +39,12 @@ class Demo(unittest.TestCase):
         self.assertEqual({body.name for body in bodies.of(bpy.data.objects["Shirt"])}, {"Mannequin", "Trousers"})
 
     def test_the_feet_stand(self) -> None:
+        """Between the poses too: they went eight centimetres through the ground on the way down."""
         bones, places = bpy.data.objects["Skeleton"].pose.bones, []
-        for frame in (1, 20, 48, 60):
+        for frame in (1, 20, 28, 36, 42, 48, 60, 66):
             sleeve.at(frame)
             places.append([tuple(bones[f"foot.{side}"].head) for side in "LR"])
-        self.assertLess(np.ptp(np.array(places), axis=0).max(), 0.012)
+        self.assertLess(np.ptp(np.array(places), axis=0).max(), 0.001)
         self.assertLess(bones["hips"].head.z, bones["hips"].bone.head_local.z - 0.01)
 
     def test_no_skin_comes_through_the_trousers(self) -> None:
