@@ -313,7 +313,8 @@ def stand_between(skeleton: bpy.types.Object, performance: Sequence[Pose]) -> No
             off = [skeleton.pose.bones[f"foot.{side}"].head - skeleton.data.bones[f"foot.{side}"].head_local
                    for side in SIDES]
             alike = all(pose.legs[0] == pose.legs[1] for pose in (before, after))
-            found[frame] = hips.location - into_bone @ (off[0] if alike else Vector((0.0, 0.0, min(o.z for o in off))))
+            lower = off[0] if alike else Vector((0.0, 0.0, min(one.z for one in off)))
+            found[frame] = hips.location - into_bone @ lower
     for frame, location in found.items():
         hips.location = location
         hips.keyframe_insert("location", frame=frame)
