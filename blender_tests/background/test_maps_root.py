@@ -3,15 +3,18 @@
 reference poses are when transforms of the armature are applied."""
 from __future__ import annotations
 
+import os
+import tempfile
 import unittest
+from pathlib import Path
 from typing import Any
 
 import bpy
 import numpy as np
-from mathutils import Euler
+from mathutils import Euler, Vector
 from rumple.blender import scheduler
-from rumple.blender.maps import rig as maps_rig
-from support import face, sleeve
+from rumple.blender.maps import rig as maps_rig, runtimes as maps_runtimes
+from support import face, sleeve, vanilla_blender
 
 # name: (parent, head, tail)
 BODY: dict[str, tuple[str, Any, Any]] = {
@@ -163,6 +166,13 @@ class Few(unittest.TestCase):
         self.assertGreater(face.mask(obj, "Nod").min(), 0.999)
 
 
+def settle() -> None:
+    """As the timer of a window."""
+    for _ in range(2):
+        bpy.context.view_layer.update()
+        scheduler.sync_all()
+
+
 class Applied(unittest.TestCase):
     """Blender moves no stored pose when a transform of the armature is applied (Ctrl A)."""
 
@@ -195,12 +205,7 @@ class Applied(unittest.TestCase):
         bpy.ops.object.transform_apply(location=True, rotation=True, scale=True)
         sleeve.make_active(self.obj)
         self.longer *= scale if isinstance(scale, (int, float)) else 1.0
-        self.settle()
-
-    def settle(self) -> None:
-        for _ in range(2):
-            bpy.context.view_layer.update()
-            scheduler.sync_all()
+        settle()
 
     def seen(self) -> np.ndarray:
         """(3, o, n) masks on the way."""
@@ -248,7 +253,7 @@ class Applied(unittest.TestCase):
             bpy.ops.ed.undo()
         self.obj, self.rig, self.longer = bpy.data.objects["Face"], bpy.data.objects["Rig"], 10.0
         sleeve.make_active(self.obj)
-        self.settle()
+        settle()
         self.check(before)
 
     def test_poses_that_are_stored_later_are_of_the_rig_of_then(self) -> None:
@@ -267,7 +272,7 @@ class Applied(unittest.TestCase):
             for bone in pose.bones:
                 bone.property_unset("rest")
         self.obj.rumple_maps.root = "head"  # as a file that is opened: everything is compared anew
-        self.settle()
+        settle()
         self.check(before)
         self.apply(100.0)
         self.check(before)
@@ -282,7 +287,7 @@ class Applied(unittest.TestCase):
             setattr(self.rig.data.edit_bones["jaw"], end, getattr(self.rig.data.edit_bones["jaw"], end) * 2.0)
         bpy.ops.object.mode_set(mode="OBJECT")
         sleeve.make_active(self.obj)
-        self.settle()
+        settle()
         now, notes = maps_rig.rig_of(self.obj)
         self.assertGreater(np.abs(now.neutral - rig.neutral).max(), 0.01)
         for pose, former in zip(now.poses, rig.poses):
@@ -294,3 +299,101 @@ class Applied(unittest.TestCase):
         self.poses("head")
         self.apply((1.0, 1.0, 2.0))
         self.assertIn("Rig was stretched or mirrored since pose Surprise was stored: update it", face.notes(self.obj))
+
+
+class Far(unittest.TestCase):
+    """Blender has a place in the world in single precision: 10 km away, a millimetre is its last digit."""
+
+    def setUp(self) -> None:
+        self.obj, self.rig = face.scene()
+        self.obj.shape_key_add(name="Basis")
+        for point in self.obj.shape_key_add(name="Frown", from_mix=False).data[:20]:
+            point.co.y -= 0.01
+
+    def pose(self, share: float) -> None:
+        for name, axis in (("brow.L", 0), ("brow.R", 1), ("jaw", 2)):
+            bone = self.rig.pose.bones[name]
+            bone.rotation_mode, bone.rotation_euler[axis], bone.location = "XYZ", share, (0.0, 0.0, 0.01 * share)
+        self.rig.pose.bones["head"].rotation_mode = "XYZ"
+        self.rig.pose.bones["head"].rotation_euler = (0.3 * share, 0.2, -0.4 * share)
+        self.obj.data.shape_keys.key_blocks["Frown"].value = share
+        bpy.context.view_layer.update()
+
+    def poses(self, keys: bool) -> None:
+        for name, share in (("Surprise", 1.0), ("Anger", -0.6)):
+            self.pose(share)
+            bpy.ops.rumple.pose_add(name=name)
+        settings = self.obj.rumple_maps
+        settings.root = "head"
+        bpy.ops.rumple.maps_bones()
+        for _ in range(0 if keys else len(settings.keys)):
+            bpy.ops.rumple.maps_key_remove()
+        self.assertEqual((len(settings.bones), len(settings.keys)), (3, int(keys)))
+
+    def masks(self) -> np.ndarray:
+        """(o, n) in the midst of the way, as nodes have them; the library has the same."""
+        self.pose(0.4)
+        shown = np.array([face.mask(self.obj, pose.name) for pose in self.obj.rumple_maps.poses])
+        comparison = maps_runtimes.of(self.obj).comparison
+        bones, keys = maps_rig.present(self.obj, comparison.rig)
+        np.testing.assert_allclose(shown, comparison.frame(bones, keys=keys).pose, atol=3e-4)
+        return shown
+
+    def check(self) -> None:
+        near = self.masks()
+        self.assertGreater(np.ptp(near, axis=1).max(), 0.2)
+        for place in ((1e3, -5e2, 3e2), (1e4, -5e3, 3e3), (-2e4, 1e5, 7e4)):
+            for turn in ((0.0, 0.0, 0.0), (0.5, 0.7, -0.4)):
+                for scale in (1.0, 0.01, 3.0):
+                    self.rig.location, self.rig.rotation_euler, self.rig.scale = place, turn, (scale,) * 3
+                    np.testing.assert_allclose(self.masks(), near, atol=1e-4, err_msg=str((place, turn, scale)))
+        self.rig.location, self.rig.rotation_euler, self.rig.scale = (0,) * 3, (0,) * 3, (1,) * 3
+
+    def test_masks_are_those_of_the_origin(self) -> None:
+        for keys in (False, True):
+            for root in ("head", ""):
+                with self.subTest(str((keys, root))):
+                    self.setUp()
+                    self.poses(keys)
+                    self.obj.rumple_maps.root = root
+                    settle()
+                    self.check()
+
+    def test_of_bones_that_move_no_points_as_well(self) -> None:
+        """An Armature modifier leaves them out, or bends what is in them."""
+        self.poses(keys=True)
+        near, head = self.masks(), self.rig.data.bones["head"]
+        head.envelope_distance, self.rig.pose.bones["head"].bbone_curveinx = 0.01, 0.1
+        for name, value in (("use_deform", False), ("bbone_segments", 4), ("use_envelope_multiply", True)):
+            with self.subTest(name):
+                former = getattr(head, name)
+                setattr(head, name, value)
+                settle()
+                self.check()
+                setattr(head, name, former)
+                settle()
+                np.testing.assert_allclose(self.masks(), near, atol=1e-6)
+
+    def test_where_bones_rest_is_read_again(self) -> None:
+        """Where nothing else has changed: the poses and the neutral one hold where bones are."""
+        self.poses(keys=False)
+        self.pose(0.1)
+        bpy.ops.rumple.neutral_capture()
+        self.masks()
+        sleeve.make_active(self.rig)
+        bpy.ops.object.mode_set(mode="EDIT")
+        self.rig.data.edit_bones["jaw"].translate(Vector((0.01, 0.0, 0.0)))
+        bpy.ops.object.mode_set(mode="OBJECT")
+        sleeve.make_active(self.obj)
+        settle()
+        self.check()
+
+    def test_on_a_machine_without_rumple_too(self) -> None:
+        self.rig.data.bones["head"].use_deform = False
+        self.poses(keys=True)
+        near = self.masks()
+        self.rig.location, self.rig.rotation_euler = (1e4, -5e3, 3e3), (0.5, 0.7, -0.4)
+        with tempfile.TemporaryDirectory() as folder:
+            bpy.ops.wm.save_as_mainfile(filepath=os.path.join(folder, vanilla_blender.FILE))
+            seen = vanilla_blender.look(Path(folder), "Face", (1,), attributes=("rumple_pose_Surprise",))
+        np.testing.assert_allclose(seen[1]["rumple_pose_Surprise"][:, 0], near[0], atol=1e-4)

@@ -24,16 +24,16 @@ def ensure(obj: bpy.types.Object, runtime: Runtime) -> None:
         return
     rig, notes = maps_rig.rig_of(obj)
     weights = maps_rig.weights_of(obj, rig)
-    shape = _fingerprint(rig, weights, maps_rig.bone_lengths(obj, rig))
+    shape = _fingerprint(rig, weights, maps_rig.at_rest(obj, rig))
     if runtime.comparison is None or runtime.shape != shape:
         runtime.comparison, runtime.shape, runtime.seen = PoseComparison.build(rig, weights), shape, None
     runtime.notes = notes + runtime.comparison.warnings + maps_rig.image_notes(obj) + _order_notes(obj)
 
 
-def _fingerprint(rig: PoseRig, weights: SkinWeights, lengths: np.ndarray) -> str:
+def _fingerprint(rig: PoseRig, weights: SkinWeights, at_rest: np.ndarray) -> str:
     """Of what skin, skeleton and comparison are made from: no gain, strengths and images."""
     digest = hashlib.sha1(repr((rig.root, rig.bones, rig.keys, [pose.name for pose in rig.poses])).encode())
-    for values in (weights.start, weights.bone, weights.weight, lengths, rig.neutral, rig.neutral_keys,
+    for values in (weights.start, weights.bone, weights.weight, at_rest, rig.neutral, rig.neutral_keys,
                    *(p.bones for p in rig.poses), *(p.keys for p in rig.poses)):
         digest.update(values.tobytes())
     return digest.hexdigest()

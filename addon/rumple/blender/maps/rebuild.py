@@ -81,8 +81,8 @@ def _prepare(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier, runtime:
         return
     table = comparison.table()
     maps_modifier.fill(nodes_mod.node_group, Shape(
-        tuple(pose.name for pose in comparison.rig.poses), len(comparison.rig.elements), 1 + len(table.more),
-        bool((comparison.rig.group_numbers() >= 0).any()), front is not None))
+        tuple(pose.name for pose in comparison.rig.poses), len(comparison.rig.elements), len(comparison.rig.keys),
+        1 + len(table.more), bool((comparison.rig.group_numbers() >= 0).any()), front is not None))
     skin, skeleton = maps_modifier.skin(nodes_mod), maps_modifier.skeleton(nodes_mod)
     if not maps_meshes.made_from(skin, runtime.shape):
         skin = maps_meshes.new_skin(obj.name, comparison, runtime.shape)

@@ -309,10 +309,20 @@ def _note_constant(obj: bpy.types.Object, names: list[str], rest: np.ndarray, ta
                          "and capture it")
 
 
-def bone_lengths(obj: bpy.types.Object, rig: PoseRig) -> np.ndarray:
-    """(b,) at rest, of the tracked bones."""
-    known = armature_of(obj).data.bones if rig.bones else {}
-    return np.array([known[bone.name].length for bone in rig.bones], np.float32)
+def at_rest(obj: bpy.types.Object, rig: PoseRig) -> np.ndarray:
+    """(7 b + 17,) or none without bones: all of a rig that a skeleton is made of (hidden_meshes.py). Armature space."""
+    if not rig.bones:
+        return np.zeros(0, np.float32)
+    known, names = armature_of(obj).data.bones, [bone.name for bone in rig.bones]
+    rest = _at_rest(armature_of(obj), rig.root)
+    root = rest.matrices.get(rig.root, np.eye(4))
+    rigid = [not name or is_rigid(known[name]) for name in (*names, rig.root)]
+    return np.concatenate([rest.points[[rest.index[name] for name in names]].ravel(), root.ravel(), rigid])
+
+
+def is_rigid(bone: bpy.types.Bone) -> bool:
+    """An Armature modifier moves every point of its vertex group as it moves the bone."""
+    return bone.use_deform and bone.bbone_segments == 1 and not bone.use_envelope_multiply
 
 
 def _listed(names: list[str], most: int = 3) -> str:

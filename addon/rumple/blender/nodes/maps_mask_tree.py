@@ -2,9 +2,9 @@
 """The Wrinkle Maps' frame in geometry nodes: evaluated with the mesh itself, where no Python runs.
 
 Two hidden meshes come in (maps/hidden_meshes.py): the skeleton, whose points are heads and tails of the bones as they
-stand now in the space of the root bone, and the skin, whose points hold the weights of the vertices. With the
-influences I of three poses in a vector (Dutreve et al. 2009; native/systems/wrinkle_maps computes the same and
-tests compare):
+stand now, and four of the root bone that its space is read from; and the skin, whose points hold the weights of the
+vertices. With places p in root space, in units of its axes there, the influences I of three poses in a vector are
+(Dutreve et al. 2009; native/systems/wrinkle_maps computes the same and tests compare):
 
     I_i = clamp(slope . (p - neutral))       section 5.1; slope = way / |way|^2, head and tail together
     I_i = share_i  sum of I over its group   section 5.2
@@ -31,9 +31,11 @@ INPUTS = (("Geometry", "NodeSocketGeometry"), (SKIN, "NodeSocketObject"), (COUNT
 
 # Attributes of the hidden meshes. {} is a pose, a pack of three poses, a column or a further row of the weight table.
 NEUTRAL, SLOPE, GROUP, SHARE = "rumple_neutral", "rumple_slope_{}", "rumple_group", "rumple_share_{}"
+KEY = "rumple_is_key"  # 1 at a point of a shape key: it is in no space of bones
 BONE, WEIGHTS, MORE = "rumple_bone_{}", "rumple_weights_{}_{}", "rumple_more_{}"
 INFLUENCES, SUM = "rumple_influences_{}", "rumple_sum_{}"  # on the way, within the tree
 
+FRAME = 4  # points of the root bone behind the others: its head, and one from there along each of its axes
 DEAD = 1e-4  # of a way, at both ends: nodes count in single precision, and 0 and 1 are to be exact
 
 
@@ -42,7 +44,8 @@ class Shape:
     """What the nodes themselves depend on; all else stands in attributes."""
 
     poses: tuple[str, ...] = ()
-    bones: int = 0
+    bones: int = 0  # with shape keys, which stand behind the bones
+    keys: int = 0  # of them
     rows: int = 1  # most rows of weights that a vertex has
     grouped: bool = False  # bones share influences
     fine: bool = False  # other wrinkles stand in front
@@ -67,9 +70,28 @@ class Builder(GeometryNodes):
             geometry = self.shown(geometry, self.mesh_of(inputs[SKIN]), skeleton, inputs)
         self.group.links.new(geometry, self.node("NodeGroupOutput").inputs[0])
 
+    # --- footnote 1 of section 5
+    def in_root_space(self, skeleton: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
+        """The points of the skeleton, by Cramer's rule: whatever turned, scaled or sheared all of them."""
+        position = self.position()
+        if self.shape.bones == self.shape.keys:
+            return position
+        origin, *ends = (self.at(skeleton, position, 2 * self.shape.bones + point) for point in range(FRAME))
+        x, y, z = (self.vector("SUBTRACT", end, origin) for end in ends)
+        way = self.vector("SUBTRACT", position, origin)
+        normals = [self.vector("CROSS_PRODUCT", *sides) for sides in ((y, z), (z, x), (x, y))]
+        volume = self.vector("DOT_PRODUCT", x, normals[0])
+        inside = self.vector("SCALE", self.combined(*(self.vector("DOT_PRODUCT", normal, way) for normal in normals)),
+                             self.math("DIVIDE", 1.0, volume))
+        if not self.shape.keys:
+            return inside
+        is_key = self.named(KEY, "FLOAT")
+        return self.vector("ADD", self.vector("SCALE", position, is_key),
+                           self.vector("SCALE", inside, self.math("SUBTRACT", 1.0, is_key)))
+
     # --- section 5.1
     def with_influences(self, skeleton: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
-        displaced = self.vector("SUBTRACT", self.position(), self.named(NEUTRAL, "FLOAT_VECTOR"))
+        displaced = self.vector("SUBTRACT", self.in_root_space(skeleton), self.named(NEUTRAL, "FLOAT_VECTOR"))
         tail = self.math("ADD", self.index(), float(self.shape.bones))
         result = skeleton
         for pack in self.shape.packs:
