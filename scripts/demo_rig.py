@@ -303,8 +303,8 @@ def animate(skeleton: bpy.types.Object, performance: Sequence[Pose] = PERFORMANC
 
 
 def stand_between(skeleton: bpy.types.Object, performance: Sequence[Pose]) -> None:
-    """Key the hips between poses as well: the foot of a leg that bends does not rise in step with hips that go down, but
-    with the cosine of the angle, and would go through the ground."""
+    """Key the hips between poses as well: the foot of a leg that bends rises with the cosine of the angle, not in step
+    with hips that go down, and would go through the ground."""
     scene, hips = bpy.context.scene, skeleton.pose.bones["hips"]
     into_bone, found = hips.bone.matrix_local.to_3x3().inverted(), {}
     for before, after in zip(performance, performance[1:]):
