@@ -103,6 +103,14 @@ def render(path: Path, percent: int = 100) -> None:
     bpy.ops.render.render(write_still=True)
 
 
+def render_first(garment: bpy.types.Object, frame: int, needs_camera: bool, out: Path) -> None:
+    """One frame, before any other is solved: scripts/demo says how soon it was there."""
+    if needs_camera:
+        frame_camera(garment, range(frame, frame + 1))
+    bpy.context.scene.frame_set(frame)
+    render(out / "first_picture.png")
+
+
 def render_sheet(wrinkles: list[bpy.types.Modifier], frames: range, out: Path) -> None:
     """Before and after, side by side, for a few frames."""
     step = max(1, (len(frames) - 1) // (SHEET_FRAMES - 1))
@@ -144,12 +152,13 @@ def main() -> None:
     frames = frame_range(options.frames)
     start, bpy.context.scene.frame_start = bpy.context.scene.frame_start, frames[0]
     wrinkles = [add_wrinkles(garment, options.method) for garment in garments]
-    report = play(garments[-1], frames)
     bpy.context.scene.frame_set(frames[0])
     bpy.context.scene.frame_start = start
     bpy.ops.wm.save_as_mainfile(filepath=str(out / "wrinkled.blend"))
     bpy.context.scene.frame_start = frames[0]
     studio(bpy.context.scene)
+    render_first(garments[-1], frames[len(frames) // 2], options.object is not None, out)
+    report = play(garments[-1], frames)
     if options.object is not None:
         frame_camera(garments[-1], frames)
     render_sheet(wrinkles, frames, out)

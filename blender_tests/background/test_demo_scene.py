@@ -62,12 +62,13 @@ class Run(unittest.TestCase):
     def test_the_frames_that_are_asked_for(self) -> None:
         """1-400 was cut without a word, "12" and "-5-20" ended in a traceback, and wrinkled.blend had another Start."""
         import demo_run
-        seen, said = [], mock.Mock()
-        nothing = {name: mock.DEFAULT for name in ("find_garments", "add_wrinkles", "studio", "render_sheet",
-                                                   "render_clip")}
+        seen, said, rendered = [], mock.Mock(), []
+        nothing = {name: mock.DEFAULT for name in ("find_garments", "add_wrinkles", "studio", "render",
+                                                   "render_sheet", "render_clip")}
 
         def play(_garment: object, frames: range) -> mock.Mock:
             seen.append((bpy.context.scene.frame_start, frames))
+            rendered.append((str(demo_run.render.mock_calls[-1].args[0])[-18:], bpy.context.scene.frame_current))
             return mock.MagicMock()
         with tempfile.TemporaryDirectory() as folder, mock.patch.multiple(demo_run, **nothing), \
                 mock.patch.object(demo_run, "play", play), mock.patch.object(demo_run, "say", said), \
@@ -80,6 +81,8 @@ class Run(unittest.TestCase):
                 self.assertEqual(bpy.context.scene.frame_start, 1)
         # Blender has no Start below 0.
         self.assertEqual(seen, [(12, range(12, 13)), (0, range(-5, 21)), (7, range(7, 257))])
+        # One picture, before any frame is played: what scripts/demo says the time of.
+        self.assertEqual(rendered, [("/first_picture.png", frame) for frame in (12, 8, 132)])
         self.assertIn("of the frames 7-400 the first 250 are shown", str(said.mock_calls))
 
 
