@@ -15,7 +15,7 @@ they all have been turned and scaled by does not count in root space.
 """
 from __future__ import annotations
 
-from typing import NamedTuple, Sequence
+from typing import Sequence
 
 import bpy
 import numpy as np
@@ -31,7 +31,6 @@ KEY = "rumple_maps_carrier"  # custom property: tells leftovers from the artist'
 SHAPE = "rumple_maps_shape"  # ... and what it was made from
 SKIN, SKELETON = ".maps", ".bones"
 KEY_RANGE = -10.0, 10.0  # Blender's own limits
-REACH = 1000.0  # sizes of the rig, of a bone that a driver follows, at a tenth of these limits
 
 
 def _hidden(name: str, mesh: bpy.types.Mesh, shape: str) -> bpy.types.Object:
@@ -91,16 +90,6 @@ def new_skeleton(obj: bpy.types.Object, comparison: PoseComparison, shape: str) 
     return hidden_obj
 
 
-# ---------------------------------------------------------------- its bones
-class _Point(NamedTuple):
-    """One that follows a bone."""
-
-    number: int
-    bone: str  # empty: the armature itself
-    rest: Vector  # armature space
-    terms: tuple[tuple[str, float], ...]  # properties of the posed bone, and how much of each: it is their sum
-
-
 def _unit_of(rig: PoseRig, armature: bpy.types.Object) -> float:
     """About the length of the root bone, in armature units: so long are the axes that its space is read from. A power
     of two: what is divided by it keeps its bits."""
@@ -108,84 +97,80 @@ def _unit_of(rig: PoseRig, armature: bpy.types.Object) -> float:
     return float(2.0 ** np.round(np.log2(known[rig.root].length if rig.root else known[rig.bones[0].name].length)))
 
 
-def _points(rig: PoseRig, unit: float, armature: bpy.types.Object) -> list[_Point]:
-    known, count = armature.data.bones, len(rig.elements)
-    found = []
+def _points(rig: PoseRig, unit: float, armature: bpy.types.Object) -> dict[str, list[tuple[int, Vector]]]:
+    """Bone, empty for the armature itself -> its points: their numbers, and their places in the space of the bone."""
+    count = len(rig.elements)
+    found: dict[str, list[tuple[int, Vector]]] = {}
     for number, tracked in enumerate(rig.bones):
-        bone = known[tracked.name]
-        found += [_Point(number, bone.name, bone.head_local, (("head", 1.0),)),
-                  _Point(count + number, bone.name, bone.tail_local, (("tail", 1.0),))]
-    root = known[rig.root].matrix_local if rig.root else Matrix.Identity(4)
-    for point, end in enumerate((Vector(), *(unit * axis for axis in Matrix.Identity(3)))):
-        axes = ((f"matrix[{point - 1}]", unit),) if point else ()
-        found.append(_Point(2 * count + point, rig.root, root @ end, (("matrix[3]", 1.0), *axes)))
+        tail = Vector((0.0, armature.data.bones[tracked.name].length, 0.0))
+        found[tracked.name] = [(number, Vector()), (count + number, tail)]
+    ends = (Vector(), *(unit * axis for axis in Matrix.Identity(3)))
+    found.setdefault(rig.root, []).extend(enumerate(ends, 2 * count))
     return found
 
 
 def _follow_bones(hidden_obj: bpy.types.Object, rig: PoseRig, unit: float, armature: bpy.types.Object) -> None:
-    points = _points(rig, unit, armature)
-    posed = [point for point in points if not point.bone or is_rigid(armature.data.bones[point.bone])]
-    for point in posed:
-        hidden_obj.data.vertices[point.number].co = point.rest
-        if point.bone:
-            group = hidden_obj.vertex_groups.get(point.bone) or hidden_obj.vertex_groups.new(name=point.bone)
-            group.add([point.number], 1.0, "REPLACE")
-    reach = 2.0 ** np.ceil(np.log2(REACH * max(point.rest.length for point in points)))
-    for point in points:
-        if point not in posed:
-            _drive(hidden_obj, point, armature, float(reach))
-    hook = hidden_obj.modifiers.new("To Armature", "HOOK")
-    hook.object, hook.falloff_type, hook.strength = armature, "NONE", 1.0
-    hook.vertex_indices_set([point.number for point in points])
-    hook.matrix_inverse = Matrix.Identity(4)
+    posed: list[int] = []
+    for name, points in _points(rig, unit, armature).items():
+        bone, numbers = armature.data.bones.get(name), [number for number, _ in points]
+        rest = Matrix.Identity(4)
+        if bone is not None and not is_rigid(bone):
+            _drive(_hook(hidden_obj, armature, name, numbers), armature, name)
+        else:
+            posed += numbers
+            if bone is not None:
+                rest = bone.matrix_local
+                hidden_obj.vertex_groups.new(name=name).add(numbers, 1.0, "REPLACE")
+        for number, place in points:
+            hidden_obj.data.vertices[number].co = rest @ place
+    _hook(hidden_obj, armature, "To Armature", posed)
     hidden_obj.modifiers.new("Armature", "ARMATURE").object = armature
     hidden_obj.constraints.new("COPY_LOCATION").target = armature
 
 
-def _drive(hidden_obj: bpy.types.Object, point: _Point, armature: bpy.types.Object, reach: float) -> None:
-    """Of a bone that no Armature modifier moves, as roots often are: a shape key for each axis, 30 times as slow.
-
-    reach: what a value of 1 is, in armature units. Blender holds values within KEY_RANGE.
-    """
-    for axis in range(3):
-        block, driver = _driven_key(hidden_obj, f"{point.number}.{'xyz'[axis]}")
-        block.data[point.number].co[axis] += reach
-        for number, (name, _) in enumerate(point.terms):
-            path = f'pose.bones["{bpy.utils.escape_identifier(point.bone)}"].{name}[{axis}]'
-            _add_variable(driver, f"term{number}", "OBJECT", armature, path)
-        terms = " + ".join(f"term{number} * {share}" for number, (_, share) in enumerate(point.terms))
-        driver.expression = f"({terms}) / {reach}"
+def _hook(hidden_obj: bpy.types.Object, armature: bpy.types.Object, name: str, points: list[int]
+          ) -> bpy.types.HookModifier:
+    """From armature space, or what its matrix_inverse leads from, to the object's."""
+    hook = hidden_obj.modifiers.new(name, "HOOK")
+    hook.object, hook.falloff_type, hook.strength = armature, "NONE", 1.0
+    hook.vertex_indices_set(points)
+    hook.matrix_inverse = Matrix.Identity(4)
+    return hook
 
 
-# ---------------------------------------------------------------- its shape keys
+def _drive(hook: bpy.types.HookModifier, armature: bpy.types.Object, bone: str) -> None:
+    """By a bone that no Armature modifier moves, as roots often are: number by number, which takes 30 times as long.
+
+    Not by a Hook's own bone, whose place in the world Blender would compute."""
+    path = f'pose.bones["{bpy.utils.escape_identifier(bone)}"].matrix'
+    for entry in range(16):
+        if entry % 4 < 3:  # the last row stays
+            driver = hook.driver_add("matrix_inverse", entry).driver
+            _add_variable(driver, "entry", armature, f"{path}[{entry // 4}][{entry % 4}]")
+            driver.expression = "entry"
+
+
 def _follow_keys(hidden_obj: bpy.types.Object, rig: PoseRig, keys: bpy.types.Key) -> None:
     """Points at the origin, each moved along x by its key's value. Blender mends the drivers where keys are renamed."""
+    hidden_obj.shape_key_add(name="Basis")
     for point, tracked in enumerate(rig.keys, len(rig.bones)):
-        block, driver = _driven_key(hidden_obj, str(point))
+        block = hidden_obj.shape_key_add(name=str(point), from_mix=False)
+        block.slider_min, block.slider_max = KEY_RANGE
         block.data[point].co.x += 1.0
+        driver = hidden_obj.data.shape_keys.driver_add(f'key_blocks["{point}"].value').driver
         for name in ("value", "mute"):
-            _add_variable(driver, name, "KEY", keys,
-                          f'key_blocks["{bpy.utils.escape_identifier(tracked.name)}"].{name}')
-        driver.expression = "value * (1 - mute)"
+            _add_variable(driver, name, keys, f'key_blocks["{bpy.utils.escape_identifier(tracked.name)}"].{name}')
+        driver.expression = "value * (1 - mute)"  # simple: Blender computes it without Python, and asks for no trust
 
 
-def _driven_key(hidden_obj: bpy.types.Object, name: str) -> tuple[bpy.types.ShapeKey, bpy.types.Driver]:
-    """A new one. Its expression is to be simple: Blender computes it without Python then, and asks for no trust."""
-    if hidden_obj.data.shape_keys is None:
-        hidden_obj.shape_key_add(name="Basis")
-    block = hidden_obj.shape_key_add(name=name, from_mix=False)
-    block.slider_min, block.slider_max = KEY_RANGE
-    return block, hidden_obj.data.shape_keys.driver_add(f'key_blocks["{name}"].value').driver
-
-
-def _add_variable(driver: bpy.types.Driver, name: str, id_type: str, owner: bpy.types.ID, path: str) -> None:
+def _add_variable(driver: bpy.types.Driver, name: str, owner: bpy.types.ID, path: str) -> None:
     variable = driver.variables.new()
     variable.name = name
     target = variable.targets[0]
-    target.id_type, target.id, target.data_path = id_type, owner, path
+    target.id_type = "KEY" if isinstance(owner, bpy.types.Key) else "OBJECT"
+    target.id, target.data_path = owner, path
 
 
-# ---------------------------------------------------------------- what it follows
 def armature_of(skeleton: bpy.types.Object) -> bpy.types.Object | None:
     """The armature that it follows."""
     return next((c.target for c in skeleton.constraints if c.type == "COPY_LOCATION"), None)
@@ -195,8 +180,7 @@ def keys_of(skeleton: bpy.types.Object) -> bpy.types.Key | None:
     """The shape keys that it follows."""
     own = skeleton.data.shape_keys
     drivers = own.animation_data.drivers if own is not None and own.animation_data is not None else ()
-    followed = (curve.driver.variables[0].targets[0].id for curve in drivers)
-    return next((owner for owner in followed if isinstance(owner, bpy.types.Key)), None)
+    return drivers[0].driver.variables[0].targets[0].id if len(drivers) else None
 
 
 def follows(skeleton: bpy.types.Object, obj: bpy.types.Object, rig: PoseRig) -> bool:
