@@ -61,8 +61,8 @@ def find(obj: bpy.types.Object, scene: bpy.types.Scene) -> WornOver:
              if len(other.data.polygons) and is_finite(other)}
     cloth = functools.cache(_cloth)
     shares = {other: _share_over(cloth(obj), tree) for other, tree in trees.items()}
-    own = functools.cache(lambda: tree_of(obj))
-    back = functools.cache(lambda other: _share_over(cloth(other), own()))  # how much of another one lies over it
+    # How much of another one lies over it.
+    back = functools.cache(lambda other: _share_over(cloth(other), tree_of(obj, near=cloth(other))))
     if not any(_is_within(obj, other) for other, share in shares.items() if share > LEAST_SHARE) and any(
             _is_within(other, obj) and back(other) > LEAST_SHARE for other in shares):
         return WornOver(None, [], True, trees)
@@ -121,10 +121,19 @@ def side_of(obj: bpy.types.Object) -> float:
     return -1.0 if turned is not None and 2 * len(turned.elements[TURNED]) > len(base.polygon_start) - 1 else 1.0
 
 
-def tree_of(obj: bpy.types.Object) -> BVHTree:
-    """The surface of an object at rest, world space, turned outwards; of the triangles of triangles_of()."""
+def tree_of(obj: bpy.types.Object, near: _Cloth | None = None) -> BVHTree:
+    """The surface of an object at rest, world space, turned outwards; of the triangles of triangles_of(). near: only of
+    those whose boxes are within its reach."""
     rest = _rest(obj)
-    return BVHTree.FromPolygons(rest.tolist(), facing_outwards(rest, triangles_of(obj)).tolist())
+    triangles = facing_outwards(rest, triangles_of(obj))
+    if near is not None and near.places:
+        low, high = (bound(np.array(near.places), axis=0) for bound in (np.min, np.max))
+        corners = rest[triangles]
+        triangles = triangles[((corners.max(axis=1) >= low - near.reach) & (corners.min(axis=1) <= high + near.reach)
+                               ).all(axis=1)]
+        used, numbers = np.unique(triangles, return_inverse=True)
+        rest, triangles = rest[used], numbers.reshape(triangles.shape)
+    return BVHTree.FromPolygons(rest.tolist(), triangles.tolist())
 
 
 def triangles_of(obj: bpy.types.Object) -> np.ndarray:

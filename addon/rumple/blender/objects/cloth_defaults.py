@@ -20,22 +20,22 @@ CHOICES = ("base_cloth", "layers", "hem_rings", "up", "buckling_threshold", "thr
 STEPS = 20  # of the weights that a group starts from
 
 
-def apply(obj: bpy.types.Object, scene: bpy.types.Scene, lengths: set[str], body: bpy.types.Object | None) -> None:
+def apply(obj: bpy.types.Object, scene: bpy.types.Scene, lengths: set[str], sheet: bool) -> None:
     """Make a skinned garment cloth, and give a simulated one layers, unless it was ever said what its wrinkles lie
     on. What else was set stays.
 
-    lengths: names of those that nobody has set. body: that it is worn over.
+    lengths: names of those that nobody has set. sheet: of is_sheet().
     """
     settings = properties.group_of(obj)
     if any(name in properties.fields_of(obj) and settings.is_property_set(name) for name in ("base_cloth", "layers")):
         return
-    values = defaults(obj, scene, body)
+    values = defaults(obj, scene, sheet)
     free = lengths - ({"wavelength"} if getattr(settings, "density", "") == "LEVEL" else set())
     properties.apply_values(obj, scene, {name: value for name, value in values.items() if name in free or (
         name in CHOICES and not settings.is_property_set(name))})
 
 
-def defaults(obj: bpy.types.Object, scene: bpy.types.Scene, body: bpy.types.Object | None = None) -> dict[str, Any]:
+def defaults(obj: bpy.types.Object, scene: bpy.types.Scene, sheet: bool = False) -> dict[str, Any]:
     """Settings by what moves the object; none for what is neither skinned nor simulated."""
     method = obj.rumple.method
     if is_simulated(obj):
@@ -45,7 +45,6 @@ def defaults(obj: bpy.types.Object, scene: bpy.types.Scene, body: bpy.types.Obje
     base = mesh_reader.base_mesh(obj, "REST_POSE", "")
     if not len(base.triangle_corner):
         return {}
-    sheet = is_sheet(obj, body)
     if not sheet and not wrinkle_mesh.suits_cloth(base):
         return {}
     metres = rig_scale.metres_at_rest(obj, scene)

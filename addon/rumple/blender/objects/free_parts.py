@@ -34,14 +34,14 @@ class _Surface(NamedTuple):
         return cls(tree or body_search.tree_of(obj), at_border(body_search.triangles_of(obj)))
 
 
-def give_room(obj: bpy.types.Object, scene: bpy.types.Scene, worn_over: body_search.WornOver, is_set: bool) -> None:
+def give_room(obj: bpy.types.Object, scene: bpy.types.Scene, trees: dict[bpy.types.Object, BVHTree], sheet: bool,
+              is_set: bool) -> None:
     """To what hangs free of the body; to all of a skirt or a cape where it is not known what is below it, unless the
-    artist has set its room."""
+    artist has set its room. trees, sheet: as of paint()."""
     settings = properties.group_of(obj)
     if settings.base_cloth == "OFF":
         return
-    sheet = cloth_defaults.is_sheet(obj, worn_over.body)
-    if not paint(obj, scene, worn_over.trees, sheet) and not is_set and (sheet or cloth_defaults.is_skirt(obj)):
+    if not paint(obj, scene, trees, sheet) and not is_set and (sheet or cloth_defaults.is_skirt(obj)):
         settings.room = settings.free_room
 
 

@@ -145,11 +145,12 @@ class OBJECT_OT_rumple_add(bpy.types.Operator):
         """All settings, and what it is worn over. Returns what to say of them."""
         lengths = self._set_defaults(context, obj)
         worn_over = body_search.find(obj, context.scene)
+        is_sheet = cloth_defaults.is_sheet(obj, worn_over.body)
         if not worn_over.is_body:
-            cloth_defaults.apply(obj, context.scene, lengths, worn_over.body)
+            cloth_defaults.apply(obj, context.scene, lengths, is_sheet)
         if cloth_defaults.is_cloth(obj):
             self._set_bodies(obj, worn_over)
-            free_parts.give_room(obj, context.scene, worn_over, "room" not in lengths)
+            free_parts.give_room(obj, context.scene, worn_over.trees, is_sheet, "room" not in lengths)
         self._adjust(context, obj)
         if cloth_defaults.is_cloth(obj) or worn_over.body is None or properties.group_of(obj).is_property_set(
                 "base_cloth"):
