@@ -42,6 +42,10 @@ class Stack(unittest.TestCase):
             with contextlib.redirect_stdout(printed):
                 clip_status.check_before_render()
             self.assertEqual(printed.getvalue().count("Sleeve: Step of the scene is 2"), notes)
+        sleeve.play()  # its advice: no frame of the render is a jump then
+        self.assertEqual(stack_notes.of(obj), [])
+        bpy.ops.object.rumple_clear_frames()
+        self.assertEqual(len(stack_notes.of(obj)), 1)
         obj.rumple.mesh.base_cloth = "SWING"  # its frames say so themselves
         self.assertEqual(stack_notes.of(obj), [])
 

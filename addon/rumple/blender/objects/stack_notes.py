@@ -29,10 +29,18 @@ def skipped_frames(obj: bpy.types.Object) -> list[str]:
     """An animation rendered with a Step: each of its frames is a jump. Of cloth that swings each frame says so."""
     scene = units.scene_of(obj)
     settings = properties.settings_of(obj, scene)
-    if scene.frame_step == 1 or settings.stateless or settings.swings:
+    if scene.frame_step == 1 or settings.stateless or settings.swings or _are_stored(obj, scene):
         return []
     return [f"{obj.name}: Step of the scene is {scene.frame_step}, so a render solves each frame as after a jump: play "
             "all frames first, set it to 1, or bake"]
+
+
+def _are_stored(obj: bpy.types.Object, scene: bpy.types.Scene) -> bool:
+    """Whether every frame that an animation renders was played through to, and is stored."""
+    fine = runtimes.of(obj).evaluator
+    stored = [None if fine is None else fine.frame_cache.get(float(frame))
+              for frame in range(scene.frame_start, scene.frame_end + 1, scene.frame_step)]
+    return all(frame is not None and frame.final for frame in stored)
 
 
 def of_children(obj: bpy.types.Object) -> list[str]:
