@@ -9,6 +9,9 @@
 
 namespace rumple::fuzz {
 
+// Whether this thread watches what was asked to stop: else no call says that it was.
+extern bool asked_to_stop;
+
 // How often a function was called, and how often it did what it was asked for.
 struct Tally {
     const char* function;

@@ -199,10 +199,11 @@ void look_at_frame(World& world, Bytes& bytes) {
 void stop_one(World& world, Bytes& bytes) {
     rumple_stop* stop = MAKE(rumple_stop, rumple_stop_build);
     RUN(rumple_stop_watch, stop);
-    const bool asked = bytes.below(2) == 0;
-    if (asked) RUN(rumple_stop_ask, stop);
+    asked_to_stop = bytes.below(2) == 0;
+    if (asked_to_stop) RUN(rumple_stop_ask, stop);
     build_surface(world, bytes);
     RUN(rumple_stop_watch, nullptr);
+    asked_to_stop = false;
     RUN(rumple_stop_ask, bytes.hostile() ? nullptr : stop);
     RUN(rumple_stop_free, stop);
 }
