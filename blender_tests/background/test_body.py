@@ -75,6 +75,15 @@ class Places(Worn):
                                                atol=1e-6)
                     self.assertGreater(outward(found), 0.0)
 
+    def test_a_baked_clip_knows_the_shape_of_a_curve(self) -> None:
+        bpy.ops.curve.primitive_bezier_circle_add()
+        self.obj.rumple.body = circle = bpy.context.object
+        circle.data.bevel_depth = 0.1
+        before = clip_status.inputs_fingerprint(self.obj, bpy.context.scene)
+        self.assertTrue(clip_status.is_baked_from(before, self.obj, bpy.context.scene))
+        circle.data.bevel_depth = 0.2
+        self.assertFalse(clip_status.is_baked_from(before, self.obj, bpy.context.scene))
+
     def test_curves_without_faces_are_passed_over_in_a_collection(self) -> None:
         collection = bpy.data.collections.new("Bodies")
         bpy.context.scene.collection.children.link(collection)
@@ -86,6 +95,11 @@ class Places(Worn):
         sleeve.at(3)
         self.assertEqual(len(solved_body(self.obj).positions), len(self.body.data.vertices))
         self.assertEqual(runtimes.of(self.obj).left_out, "")
+        line.data.bevel_depth = 0.1
+        self.assertTrue(bodies.can_be_body(line))
+        line.rumple_guide.is_guide = True  # of folds, whatever it looks like
+        self.assertFalse(bodies.can_be_body(line))
+        line.rumple_guide.is_guide, line.data.bevel_depth = False, 0.0
         self.obj.rumple.body = line
         sleeve.at(4)
         self.assertRegex(runtimes.of(self.obj).left_out, "^Sleeve: its body .*Circle has no faces and is left out")

@@ -88,6 +88,8 @@ class FirstClick(unittest.TestCase):
         body = self.deleted_under_the_garment()
         one, other = ((body_search._cloth(a), body_search.tree_of(b)) for a, b in ((body, self.obj), (self.obj, body)))
         self.assertGreater(body_search._share_over(*one), body_search._share_over(*other))
+        near = body_search.tree_of(self.obj, near=one[0])  # what is farther does not change the share
+        self.assertEqual(body_search._share_over(one[0], near), body_search._share_over(*one))
         self.assertEqual(self.found(), "Human")
         self.assertNotEqual(self.obj.rumple.mesh.base_cloth, "OFF")
 

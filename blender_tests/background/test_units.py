@@ -106,6 +106,8 @@ class ScaledByABone(unittest.TestCase):
         obj = self.dressed(1.0, 1.0)
         self.rig.pose.bones["lower"].scale = (2.0, 2.0, 2.0)
         self.assertEqual(rig_scale.of(obj, bpy.context.scene), 1.0)
+        self.rig.data.bones["upper"].use_deform = False  # now the other one alone deforms it
+        self.assertEqual(rig_scale.of(obj, bpy.context.scene), 2.0)
 
     def test_a_bone_that_does_not_inherit_scale_begins_at_1(self) -> None:
         obj = self.dressed(3.0, 1.0)

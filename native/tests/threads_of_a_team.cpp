@@ -176,6 +176,23 @@ TEST(Threads, DoBothInParallel) {
     EXPECT_EQ(others, 1);
 }
 
+TEST(Threads, OfBothLookAtTheSameStop) {
+    const std::atomic<bool> asked = true;
+    watched_stop = &asked;
+    int stopped = 0;
+    for (const bool first_looks : {true, false}) {
+        const auto work = [](bool looks) { return [looks] { looks ? stop_if_asked() : void(); }; };
+        try {
+            in_parallel(work(first_looks), work(!first_looks));
+        } catch (const Stopped&) {
+            ++stopped;
+        }
+    }
+    watched_stop = nullptr;
+    EXPECT_EQ(stopped, 2);
+    in_parallel([] { stop_if_asked(); }, [] { stop_if_asked(); });
+}
+
 // No thread goes on after the call, and the words of a refusal arrive.
 TEST(Threads, OfBothEndBeforeAnErrorIsThrown) {
     for (const bool first_fails : {true, false}) {

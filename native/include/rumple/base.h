@@ -41,8 +41,9 @@ RUMPLE_API size_t rumple_struct_size(const char* name);
 // until the next call of this thread that fails. Example: "positions: vertex 12 is not finite".
 RUMPLE_API const char* rumple_error(void);
 
-// By which one thread ends what another one makes: functions of models, which take seconds where meshes are
-// large, look at it many times a second. The others end by themselves before.
+// By which one thread ends what another one makes. Functions of models, which take seconds where meshes are
+// large, look at it between their steps: of a million vertices most take less than 0.3 s, the longest 4. The
+// others end by themselves before.
 typedef struct rumple_stop rumple_stop;
 
 RUMPLE_API rumple_status rumple_stop_build(rumple_stop** stop);
