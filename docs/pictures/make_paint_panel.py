@@ -2,6 +2,7 @@
 """A picture of the panel Paint at the default width, panel_paint.png (Blender 3.4).
 
     scripts/demo                                   # makes out/demo/wrinkled.blend
+    scripts/examples                               # the header has their button, as in the packages
     d=$(mktemp -d); RUMPLE_NATIVE=build/release/python RUMPLE_FRAMEBUFFER=$d/Xvfb_screen0 \
         xvfb-run -a -s "-screen 0 1920x1080x24 -fbdir $d" blender --factory-startup out/demo/wrinkled.blend \
         --window-geometry 0 0 1920 1080 --python docs/pictures/make_paint_panel.py
@@ -16,7 +17,7 @@ import bpy
 
 HERE = Path(__file__).resolve().parent
 sys.path[:0] = [str(HERE)]
-from windowed import picture_of, play, window_case  # noqa: E402
+from windowed import picture_of, play, save_png  # noqa: E402
 from rumple.blender.ui.paint_panel import DATA_PT_rumple_paint  # noqa: E402
 
 WIDTH = 333  # of the editor, with Blender's own layout on a screen of 1920 x 1080
@@ -38,7 +39,7 @@ def steps() -> Iterator[float]:
         yield 1.5
     picture = picture_of(area)
     assert picture.shape[1] == WIDTH, picture.shape
-    (HERE / "panel_paint.png").write_bytes(window_case.png(picture))
+    save_png(picture, HERE / "panel_paint.png")
 
 
 def main() -> None:

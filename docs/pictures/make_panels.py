@@ -2,6 +2,7 @@
 """Pictures of the panel with everything open, panel_<version>.png, of the other systems' and of the viewport (3.4).
 
     scripts/demo                                   # makes out/demo/wrinkled.blend
+    scripts/examples                               # the header has their button, as in the packages
     d=$(mktemp -d); RUMPLE_NATIVE=build/release/python RUMPLE_FRAMEBUFFER=$d/Xvfb_screen0 \
         xvfb-run -a -s "-screen 0 620x3000x24 -fbdir $d" blender --factory-startup out/demo/wrinkled.blend \
         --window-geometry 0 0 620 3000 --python docs/pictures/make_panels.py
@@ -17,7 +18,7 @@ import numpy as np
 
 HERE = Path(__file__).resolve().parent
 sys.path[:0] = [str(HERE)]
-from windowed import picture_of, play, save_jpeg, window_case  # noqa: E402
+from windowed import picture_of, play, save_jpeg, save_png  # noqa: E402
 from rumple.blender.ui import panels  # noqa: E402
 
 FRAME = 52
@@ -52,7 +53,7 @@ def in_two(pixels: np.ndarray) -> np.ndarray:
 
 
 def photograph(area: bpy.types.Area, name: str) -> None:
-    (HERE / f"panel_{name}.png").write_bytes(window_case.png(in_two(without_ground(picture_of(area)))))
+    save_png(in_two(without_ground(picture_of(area))), HERE / f"panel_{name}.png")
 
 
 def steps() -> Iterator[float]:
