@@ -111,7 +111,7 @@ class Wavelengths(unittest.TestCase):
         two, begun = layer_settings(settings, 2), layer_settings(settings, 3, finest=0.0)
         for a, b in zip(two, begun):
             self.assertAlmostEqual(a.prestretch, b.prestretch, 6)
-            self.assertEqual(a.compression_limit, b.compression_limit)
+            self.assertEqual((a.compression_limit, a.iterations), (b.compression_limit, b.iterations))
         self.assertEqual(begun[2].prestretch, settings.prestretch)
 
     def test_wider_layers_gather_less_and_none_more_than_is_set(self) -> None:
@@ -125,6 +125,10 @@ class Wavelengths(unittest.TestCase):
             self.assertAlmostEqual(limit, 1.02, 6)
         for limit in limits(base_cloth="OFF"):
             self.assertEqual(limit, detail)
+
+    def test_wider_layers_have_more_passes(self) -> None:
+        self.assertEqual([layer.iterations for layer in layer_settings(replace(CLOTH, iterations=10), 3)], [60, 30, 10])
+        self.assertEqual([layer.iterations for layer in layer_settings(CLOTH, 4, finer=1)][-2:], 2 * [CLOTH.iterations])
 
     def test_the_narrowest_folds_of_cloth_end_before_its_hems(self) -> None:
         rings = lambda settings: [layer.hem_rings for layer in layer_settings(settings, 3)]

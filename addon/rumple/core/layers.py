@@ -37,6 +37,9 @@ TANGENTIAL_PULL, NORMAL_PULL = 0.2, 0.02
 APART = 0.45  # share of the distance to its own cloth that a vertex may go towards it
 SLIDE = 0.45  # share of the heights of its triangles that a vertex may go along the surface
 START_ITERATIONS = 3  # times those of one layer
+# Passes of a layer for each one that lies on it, over those of the finest: a pass moves a vertex by what its neighbours
+# do, so with few a fold is no longer than a few edges, and what should be one long fold is several short ones.
+WIDE_PASSES = 3
 # Most length that all but the finest layer gather, over that of the compressed mesh, where they are not cut wider. A
 # fold of twice the width is twice as high for the same gather, so what is pressed together more would bulge; cloth on a
 # body has narrow folds there.
@@ -81,6 +84,7 @@ def layer_settings(settings: MeshSettings, count: int, finest: float = 1.0,
         options.tangential_pull, options.normal_pull = TANGENTIAL_PULL, NORMAL_PULL
         options.apart, options.slide = APART, SLIDE
         options.start_iterations = START_ITERATIONS * settings.start_iterations
+        options.iterations = round(settings.iterations * max(WIDE_PASSES * (above - 1.0 + finest), 1.0))
         if settings.base_cloth != "OFF":
             if number > 0 and above <= 0:
                 options.hem_rings = max(options.hem_rings, FINEST_HEM)
