@@ -9,7 +9,7 @@ from unittest import mock
 import bpy
 import numpy as np
 from rumple.blender import scheduler
-from rumple.blender.objects import evaluator, runtimes
+from rumple.blender.objects import evaluator, modifier, runtimes
 from rumple.blender.ui import rebuild_progress
 from rumple.core.engine import UserError
 from rumple.core.wrinkle_mesh import WrinkleMesh
@@ -18,9 +18,11 @@ from support.window_case import WindowCase
 
 
 class Slow(WindowCase):
-    def make(self) -> Iterator[float]:
+    _error: UserError | None = None
+
+    def make(self, wrinkled: bool = True) -> Iterator[float]:
         """A sleeve whose next fine meshes are not ready before `go` is set."""
-        obj = sleeve.scene()
+        obj = sleeve.scene(wrinkles=wrinkled)
         max(bpy.context.window_manager.windows[0].screen.areas, key=lambda a: a.width * a.height).type = "VIEW_3D"
         yield 0.5
         self.go, self.builds, plain = threading.Event(), [], WrinkleMesh.build
@@ -28,13 +30,15 @@ class Slow(WindowCase):
         def build(*arguments: Any, **more: Any) -> WrinkleMesh:
             self.builds.append(threading.current_thread())
             self.go.wait(60.0)
+            if self._error is not None:
+                raise self._error
             return plain(*arguments, **more)
 
         patch = mock.patch.object(WrinkleMesh, "build", build)
         patch.start()
         self.addCleanup(patch.stop)
         self.addCleanup(self.go.set)
-        self.before = self.count(obj)
+        self.before = self.count(obj) if wrinkled else 0
 
     @property
     def obj(self) -> bpy.types.Object:
@@ -71,6 +75,69 @@ class Slow(WindowCase):
         self.assertFalse(self.shown())
         np.testing.assert_allclose(sleeve.shown(self.obj), sleeve.picture(self.obj).positions, atol=1e-6)
         self.assertEqual((len(self.builds), self.obj.rumple.message), (1, ""))
+
+    def click(self) -> Iterator[float]:
+        """Adds wrinkles from the menu, whose fine mesh is not ready yet."""
+        yield from self.make(wrinkled=False)
+        with self.area():
+            bpy.ops.ed.undo_push(message="bare")  # scripts leave no step
+            self.assertEqual(bpy.ops.object.rumple_add("INVOKE_DEFAULT", True, method="MESH"), {"FINISHED"})
+        self.assertIsNone(modifier.output_object(modifier.find(self.obj)))
+        yield from self.until(self.shown)
+        self.assertTrue(self.shown())
+
+    def test_the_first_click_leaves_the_window_alive(self) -> Iterator[float]:
+        yield from self.click()
+        self.assertIsNot(self.builds[0], threading.main_thread())
+        with self.area():
+            sleeve.at(7)  # the mesh is shown as it is animated meanwhile
+        yield 0.2
+        self.screenshot("first_click_under_way")
+        self.assertEqual((len(sleeve.shown(self.obj)), self.obj.rumple.message), (len(self.obj.data.vertices), ""))
+        self.go.set()
+        yield from self.until(lambda: runtimes.of(self.obj).result is not None and not self.shown())
+        self.assertFalse(self.shown())
+        np.testing.assert_allclose(sleeve.shown(self.obj), sleeve.picture(self.obj).positions, atol=1e-6)
+        self.assertEqual((len(self.builds), self.obj.rumple.message), (1, ""))
+
+    def test_esc_takes_the_first_click_back(self) -> Iterator[float]:
+        yield from self.click()
+        yield from self.esc()
+        yield from self.until(lambda: modifier.find(self.obj) is None)
+        self.go.set()  # what was dropped comes too late
+        yield 0.5
+        self.assertIsNone(modifier.find(self.obj))
+        self.assertEqual((self.obj.rumple.method, self.obj.rumple.message, self.shown()), ("NONE", "", False))
+        with self.area():
+            self.assertEqual(bpy.ops.object.rumple_add("INVOKE_DEFAULT", method="MESH"), {"FINISHED"})  # and again
+        self.assertGreater(self.count(self.obj), len(self.obj.data.vertices))
+
+    def test_undo_takes_the_first_click_back(self) -> Iterator[float]:
+        yield from self.click()
+        with self.area():
+            bpy.ops.ed.undo()
+        yield 0.3
+        self.assertIsNone(modifier.find(self.obj))
+        self.go.set()
+        yield from self.until(lambda: not self.shown())
+        self.assertEqual((modifier.find(self.obj), scheduler.awaited(), self.shown()), (None, [], False))
+
+    def test_a_script_gets_its_wrinkles_at_once(self) -> Iterator[float]:
+        yield from self.make(wrinkled=False)
+        threading.Timer(0.5, self.go.set).start()
+        with self.area():
+            bpy.ops.object.rumple_add(method="MESH")
+        self.assertGreater(self.count(self.obj), len(self.obj.data.vertices))
+        self.assertEqual(scheduler.awaited(), [])
+
+    def test_a_first_click_that_cannot_be_made_is_said(self) -> Iterator[float]:
+        yield from self.click()
+        self._error = UserError("Sleeve: no")
+        self.go.set()
+        yield from self.until(lambda: self.obj.rumple.message)
+        self.assertEqual(self.obj.rumple.message, "Sleeve: no")
+        yield 0.5  # and is not tried again and again
+        self.assertEqual(len(self.builds), 1)
 
     def test_esc_leaves_folds_and_settings_as_they_were(self) -> Iterator[float]:
         yield from self.make()

@@ -41,7 +41,7 @@ _suspended = False
 _files = 0  # that were opened
 _due: set[str] = set()  # names of objects to tag
 _workers: tuple[Callable[[], None], ...] = ()
-_may_wait = False  # what is long may be left to threads: in the timer only
+_may_wait = False  # what is long may be left to threads
 _awaited: list[Awaited] = []  # what these make
 _tell_waiting: Callable[[], None] = lambda: None
 _is_held: Callable[[], bool] = lambda: False  # whether the mouse drags something
@@ -172,14 +172,21 @@ def ask_whether_held(function: Callable[[], bool]) -> None:
     _is_held = function
 
 
+@contextmanager
+def waiting() -> Iterator[None]:
+    """What takes long may be left to threads within it. Who uses it sees to it that the timer does the rest."""
+    global _may_wait
+    former, _may_wait = _may_wait, not bpy.app.background
+    try:
+        yield
+    finally:
+        _may_wait = former
+
+
 def _sync_and_wait() -> None:
     """All structural work but what threads make."""
-    global _may_wait
-    _may_wait = True
-    try:
+    with waiting():
         sync_all()
-    finally:
-        _may_wait = False
 
 
 def sync_all() -> None:

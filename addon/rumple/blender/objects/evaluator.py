@@ -133,10 +133,8 @@ def _rounded(unit_scale: float) -> str:
 
 
 def begin(obj: bpy.types.Object, runtime: Runtime) -> Building | None:
-    """Begin in a thread what ensure() would make, where there is something to show meanwhile. None where there is
-    nothing to wait for: it is ready, or was made within PATIENCE. Raises engine.UserError."""
-    if runtime.evaluator is None:
-        return None
+    """Begin in a thread what ensure() would make. None where there is nothing to wait for: it is ready, or was made
+    within PATIENCE. Raises engine.UserError."""
     now = sources(obj)
     wanted = _wanted(obj, now)
     if wanted == runtime.shape or _refusable(obj, wanted) == runtime.refused:

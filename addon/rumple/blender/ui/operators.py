@@ -70,6 +70,7 @@ class OBJECT_OT_rumple_add(bpy.types.Operator):
                                    description="What this garment is worn over: cloth stays outside of it")
     width_of: bpy.props.StringProperty(options={"HIDDEN", "SKIP_SAVE"},
                                        description="The fabric that this wavelength was shown for")
+    _may_wait = False
 
     def draw(self, context: bpy.types.Context) -> None:
         """Adjust Last Operation."""
@@ -99,6 +100,11 @@ class OBJECT_OT_rumple_add(bpy.types.Operator):
             cls.poll_message_set(said(why))
         return not why
 
+    def invoke(self, context: bpy.types.Context, _event: bpy.types.Event) -> set[str]:
+        """From a menu: what takes long is made while the window goes on. Scripts get all of it at once."""
+        self._may_wait = True
+        return self.execute(context)
+
     def execute(self, context: bpy.types.Context) -> set[str]:
         obj = context.object
         why = ui_base.refusal(obj, wrinkled=False)
@@ -122,6 +128,10 @@ class OBJECT_OT_rumple_add(bpy.types.Operator):
         context.scene.render.use_lock_interface = True
         if self.method == "FIELD":
             self._show_waves(context, obj)
+        if self._is_left_to_a_thread(obj, nodes_mod):
+            bodies.connect_all()
+            self.report({"INFO"}, said(f"{said(properties.system_of(obj).label)} added: its folds are being made"))
+            return {"FINISHED"}
         note = self._make(obj, nodes_mod)
         bodies.connect_all()
         if modifier.output_object(nodes_mod) is None:
@@ -164,6 +174,17 @@ class OBJECT_OT_rumple_add(bpy.types.Operator):
             field_shader.shade_object(obj)
         if context.space_data is not None and not obj.rumple.field.is_property_set("gpu_preview"):
             obj.rumple.field.gpu_preview = True  # else nothing is seen of it in Solid viewports
+
+    def _is_left_to_a_thread(self, obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier) -> bool:
+        """Whether the window goes on without folds, and gets them when they are ready. What may have to be switched off
+        for them is tried here and now."""
+        if not self._may_wait or subdivision_behind.quality(obj):
+            return False
+        with scheduler.waiting():
+            is_awaited = rebuild.is_awaited(obj, nodes_mod)
+        if is_awaited:
+            scheduler.request()
+        return is_awaited
 
     def _make(self, obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier) -> str:
         """The fine mesh. Returns what had to be switched off for it, in a sentence, or nothing."""

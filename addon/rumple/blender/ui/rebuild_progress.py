@@ -7,6 +7,7 @@ import bpy
 from .. import scheduler
 from ..objects import evaluator, runtimes
 from ..translation import said
+from .operators import remove
 
 AFTER = 0.4  # seconds that are not worth a word
 
@@ -51,8 +52,13 @@ class WM_OT_rumple_rebuild_wait(bpy.types.Operator):
         obj = bpy.data.objects.get(work.name)
         runtime = None if obj is None else runtimes.known(obj)
         scheduler.drop(work)
-        if runtime is not None and runtime.building is work:
-            self.report({"INFO"}, said(evaluator.cancel(obj, runtime)))
+        if runtime is None or runtime.building is not work:
+            return
+        note = evaluator.cancel(obj, runtime)
+        if runtime.evaluator is None:  # the first click
+            remove(obj)
+            note = f"{obj.name}: Esc stopped it, so no wrinkles were added"
+        self.report({"INFO"}, said(note))
 
     def _say(self, context: bpy.types.Context) -> None:
         works = scheduler.awaited()
