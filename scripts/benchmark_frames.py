@@ -25,7 +25,7 @@ sys.path[:0] = [str(Path(__file__).resolve().parents[1] / "addon"), os.environ["
 import rumple  # noqa: E402
 from rumple.blender import scheduler  # noqa: E402
 from rumple.blender.frame import first_pass, solve  # noqa: E402
-from rumple.blender.objects import bodies, coarse_copy, output_mesh  # noqa: E402
+from rumple.blender.objects import bodies, output_mesh, posed_coarse  # noqa: E402
 from rumple.native import kernels  # noqa: E402
 
 ROUNDS = int(sys.argv[sys.argv.index("--") + 1])
@@ -50,7 +50,7 @@ WAYS: dict[str, tuple[str, int, bool]] = {
 STAGES: tuple[tuple[Any, str, str], ...] = (
     (solve, "process", "handler, all"),
     (first_pass, "hand_on_coarse", "before the frame"),
-    (coarse_copy, "posed_positions", "posed positions read"),
+    (posed_coarse, "positions", "posed positions read"),
     (bodies, "read", "bodies read"),
     (kernels, "solve_base_cloth", "base cloth"),
     (kernels, "solve_wrinkle_layers", "layers solved"),

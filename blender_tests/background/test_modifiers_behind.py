@@ -12,8 +12,7 @@ from unittest import mock
 import bpy
 import numpy as np
 from rumple.blender import compat
-from rumple.blender.nodes.output_flags import Flag, is_set
-from rumple.blender.objects import evaluator, runtimes, stack_notes, subdivision_behind
+from rumple.blender.objects import bodies, evaluator, runtimes, stack_notes, subdivision_behind
 from support import sleeve, small_renders
 
 SETTINGS = {
@@ -39,6 +38,16 @@ def nodes_behind(obj: bpy.types.Object, *kinds: str) -> Any:
     behind = obj.modifiers.new("Behind", "NODES")
     behind.node_group = group
     return behind
+
+
+def delete_first_points(obj: bpy.types.Object) -> None:
+    """Nodes that delete the points that the wrinkles are read from."""
+    group = nodes_behind(obj, "GeometryNodeDeleteGeometry").node_group
+    index, limit = group.nodes.new("GeometryNodeInputIndex"), group.nodes.new("FunctionNodeCompare")
+    limit.data_type, limit.operation = "INT", "LESS_THAN"
+    group.links.new(index.outputs[0], compat.socket(limit.inputs, "A"))
+    compat.socket(limit.inputs, "B").default_value = 50
+    group.links.new(limit.outputs[0], compat.socket(group.nodes["Delete Geometry"].inputs, "Selection"))
 
 
 def put_behind(obj: bpy.types.Object, kind: str) -> Any:
@@ -85,29 +94,40 @@ class Behind(unittest.TestCase):
         distance = np.abs(shown[:, None] - solved[None]).max(axis=2).min(axis=1)
         self.assertLess(distance.max(), 1e-5)
 
-    def test_a_node_group_that_removes_points_is_named_and_others_go_on(self) -> None:
-        def remove_all(obj: bpy.types.Object) -> None:
-            group = nodes_behind(obj, "GeometryNodeDeleteGeometry").node_group
-            index, limit = group.nodes.new("GeometryNodeInputIndex"), group.nodes.new("FunctionNodeCompare")
-            limit.data_type, limit.operation = "INT", "LESS_THAN"
-            group.links.new(index.outputs[0], compat.socket(limit.inputs, "A"))
-            compat.socket(limit.inputs, "B").default_value = 50
-            group.links.new(limit.outputs[0], compat.socket(group.nodes["Delete Geometry"].inputs, "Selection"))
+    def test_node_groups_that_remove_points_neither(self) -> None:
+        # It stopped its own garment: what it removed could not be read.
+        def nothing(obj: bpy.types.Object) -> None:
+            nodes_behind(obj).node_group.links.clear()
 
-        one, other = self.played(range(1, 10), remove_all)
-        self.assertEqual((one[0], other[0], other[2]), (2.0, 9.0, ""))
-        self.assertRegex(one[2], '^Sleeve: the modifier "Behind" below Wrinkle Mesh removes points')
+        frames = range(1, 10)
+        without = self.played(frames, lambda _obj: None)
+        for prepare in (delete_first_points, nothing):
+            with self.subTest(prepare.__name__):
+                for (frame, positions, message), (_, expected, _) in zip(self.played(frames, prepare), without):
+                    self.assertEqual((frame, message), (9.0, ""))
+                    np.testing.assert_array_equal(positions, expected)
 
-    def test_a_node_group_behind_sees_nothing_beside_the_mesh(self) -> None:
-        self.played(range(1, 10), nodes_behind)
-        self.assertFalse(is_set(sleeve.output_object(self.one), Flag.POINTS_BESIDE))
-
-    def test_nothing_stands_beside_once_it_is_gone(self) -> None:
-        self.played(range(1, 10), lambda obj: put_behind(obj, "MASK"))
-        self.assertTrue(is_set(sleeve.output_object(self.one), Flag.POINTS_BESIDE))
-        self.one.modifiers.remove(self.one.modifiers["Behind"])
+    def test_what_is_above_is_evaluated_as_it_is_set(self) -> None:
+        """The modifiers that were off while the mesh was read are on again, those that are off stay off."""
+        self.played(range(1, 10), delete_first_points)
+        self.one.modifiers["Behind"].show_render = False
         sleeve.at(10)
-        self.assertFalse(is_set(sleeve.output_object(self.one), Flag.POINTS_BESIDE))
+        depsgraph = bpy.context.evaluated_depsgraph_get()
+        self.assertEqual([(m.show_viewport, m.show_render) for m in self.one.evaluated_get(depsgraph).modifiers],
+                         [(True, True), (True, True), (True, False)])
+
+    def test_a_garment_over_one_that_loses_points_is_worn_over_all_of_it(self) -> None:
+        self.played(range(1, 4), delete_first_points)
+        self.other.rumple.body = self.one
+        for frame in (4, 5, 6):
+            sleeve.at(frame)
+        self.assertEqual(self.other.rumple.message, "")
+        depsgraph = bpy.context.evaluated_depsgraph_get()
+        worn = bodies.read(self.other, self.other.evaluated_get(depsgraph), depsgraph)
+        self.assertGreaterEqual(len(worn.positions), len(self.one.data.vertices))
+
+    def test_nothing_is_shown_beside_the_mesh(self) -> None:
+        self.played(range(1, 10), lambda obj: put_behind(obj, "MASK"))
         self.assertEqual([i.object.name for i in bpy.context.evaluated_depsgraph_get().object_instances
                           if i.is_instance], [])
 
@@ -137,18 +157,13 @@ class Behind(unittest.TestCase):
         self.assertEqual((runtime.inputs.frame, runtimes.message(bpy.data.objects[name])), (9.0, ""))
         np.testing.assert_array_equal(runtime.result.positions, expected)
 
-    def test_an_object_that_is_hidden_is_told_what_to_do(self) -> None:
-        obj = sleeve.scene()
-        put_behind(obj, "MASK")
-        sleeve.at(3)
-        obj.hide_set(True)
-        sleeve.at(4)
-        sleeve.at(5)
-        self.assertRegex(obj.rumple.message, '^Sleeve: the modifier "Behind" below Wrinkle Mesh removes points')
-        obj.hide_set(False)
-        sleeve.at(6)
-        self.assertEqual(obj.rumple.message, "")
-        self.assertEqual(runtimes.of(obj).inputs.frame, 6.0)
+    def test_a_hidden_object_goes_on(self) -> None:
+        """Hidden in the viewport, as what is baked or worn under others is: it was told to be shown."""
+        without = self.played(range(1, 10), lambda _obj: None)[0][1]
+        for kind in ("MASK", "DECIMATE"):
+            one, _other = self.played(range(1, 10), lambda obj, kind=kind: (put_behind(obj, kind), obj.hide_set(True)))
+            self.assertEqual((one[0], one[2]), (9.0, ""))
+            np.testing.assert_array_equal(one[1], without)
 
 
 class SubdivisionOfTriangles(unittest.TestCase):

@@ -13,7 +13,7 @@ ADDON = Path(transforms.__file__).parents[1]
 # What a frame is solved from goes through these.
 SOLVED_FROM = ("core/cloth.py", "core/on_cloth.py", "core/body.py", "core/surroundings.py", "core/triangles.py",
                "core/rigid_parts.py", "blender/objects/bodies.py", "blender/objects/mesh_reader.py",
-               "blender/objects/coarse_copy.py", "blender/objects/wind.py", "blender/objects/guide_curves.py",
+               "blender/objects/posed_coarse.py", "blender/objects/wind.py", "blender/objects/guide_curves.py",
                "core/fold_guides.py")
 LEFT_TO_LIBRARIES = r"[\w)\]] @ |linalg|np\.dot|einsum|matmul|np\.(cos|sin|tan|arc|hypot|exp|log)"
 

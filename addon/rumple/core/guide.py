@@ -67,7 +67,7 @@ MESSAGES = tuple((re.compile(pattern), anchor) for pattern, anchor in (
      r"|choose another folder|Time Stretching is on|another file was opened", "bakes"),
     (r"modifier \"|faces the other way|more faces than two|lies on another face|uses a vertex twice"
      r"|deforms the mesh|no valid position|scale is zero|the fine mesh would have|of the own mesh|has no room for"
-     r"|rest wrinkle of|away from the origin|other vertices in renders|leaves no faces|removes points"
+     r"|rest wrinkle of|away from the origin|other vertices in renders|leaves no faces"
      r"|find their places|collides with it|parented to vertices|shows no waves|Use Limit Surface|has no faces"
      r"|stand at one place|nothing to wrinkle|: seams: |vertices without a face|meet only in a point"
      r"|of zero (?:length|area)", "the-mesh-and-its-modifiers"),

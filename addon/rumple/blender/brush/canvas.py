@@ -11,7 +11,7 @@ from ...core.brush import Easel
 from ...core.engine import UserError
 from ...core.wrinkle_field import WrinkleField
 from .. import compat
-from ..objects import coarse_copy, incoming_mesh, mesh_reader, modifier, runtimes, units
+from ..objects import incoming_mesh, mesh_reader, modifier, posed_coarse, runtimes, units
 
 
 class Canvas:
@@ -25,10 +25,7 @@ class Canvas:
         """As it stands in this depsgraph. Raises UserError."""
         evaluated = obj.evaluated_get(depsgraph)
         count = len(obj.data.vertices)
-        try:
-            positions = coarse_copy.posed_positions(obj, count, depsgraph)
-        except mesh_reader.Reordered as error:
-            raise UserError(f"{obj.name}: {error}") from error
+        positions = posed_coarse.positions(obj, count, depsgraph)
         if positions is None:
             positions = mesh_reader.plain_positions(evaluated, count)
         if positions is None:

@@ -10,7 +10,7 @@ import bpy
 from ...core import clip_file
 from ...core.clip_manifest import ClipFault, Manifest
 from .. import compat
-from ..objects import (bodies, clip_place, coarse_copy, evaluator, incoming_mesh, mesh_reader, messages, modifier,
+from ..objects import (bodies, clip_place, evaluator, incoming_mesh, mesh_reader, messages, modifier, posed_coarse,
                        point_caches, properties, runtimes, stack_notes, units)
 from ..objects.runtimes import Runtime
 from . import path_curves
@@ -207,10 +207,7 @@ def compare_pose(obj: bpy.types.Object, runtime: Runtime, depsgraph: bpy.types.D
     sample = about.sample_of(frame)
     if sample is None:
         return ""
-    try:
-        positions = coarse_copy.posed_positions(obj, about.coarse_vertices, depsgraph)
-    except mesh_reader.Reordered:  # the clip needs none of them
-        return ""
+    positions = posed_coarse.positions(obj, about.coarse_vertices, depsgraph)
     if positions is not None and about.pose_differs(sample, positions):
         return f"{obj.name}: the pose of frame {frame:g} is not the baked one: bake again"
     return ""

@@ -17,7 +17,7 @@ import bpy
 
 from .. import compat, scheduler
 from ..nodes.output_flags import Flag, change_flag, is_set, set_flag
-from ..objects import bodies, coarse_copy, modifier, runtimes, units, viewport_mesh
+from ..objects import bodies, modifier, runtimes, units, viewport_mesh
 
 _some_are_coarse = False
 _needed: frozenset[str] | None = None  # names of the garments that a bake reads; None: there is no bake
@@ -52,16 +52,12 @@ def is_shown(nodes_mod: bpy.types.NodesModifier) -> bool:
 
 def hand_on_coarse(scene: bpy.types.Scene) -> None:
     """Before a frame: of the garments that moved in the last one. What stands still Blender does not even evaluate.
-    And all say whether their points have to be handed on beside the mesh.
-
     Cost: about a microsecond for each modifier of the file and each node of its geometry node groups.
     """
     global _some_are_coarse
     if not scheduler.may_prepare_frame():
         return
     with scheduler.LOCK:
-        for obj, nodes_mod in modifier.wrinkled_objects():
-            coarse_copy.hand_on_if_needed(obj, nodes_mod)
         moving = [(obj, nodes_mod) for obj, nodes_mod in modifier.wrinkled_objects()
                   if _moved(obj, nodes_mod, scene) or (_needed is not None and not modifier.is_baked(nodes_mod))]
         if not moving or viewport_mesh.nodes_keep_meshes():

@@ -14,8 +14,8 @@ import numpy as np
 from ...core import engine
 from .. import compat, scheduler
 from ..nodes.output_flags import Flag, set_flag
-from ..objects import (bodies, coarse_copy, evaluator, incoming_mesh, mesh_reader, messages, modifier, output_mesh,
-                       properties, runtimes, units, viewport_mesh, visibility, weight_paint, wind)
+from ..objects import (bodies, evaluator, incoming_mesh, mesh_reader, messages, modifier, output_mesh,
+                       posed_coarse, properties, runtimes, units, viewport_mesh, visibility, weight_paint, wind)
 from ..objects.runtimes import Inputs, Runtime
 from ..scheduler import LOCK
 from ..viewport import preview
@@ -98,10 +98,7 @@ def _posed(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> np.ndarray 
     if not evaluated.is_evaluated or mesh_reader.is_busy(obj) or visibility.is_skipped(obj, depsgraph):
         return None
     count = len(incoming_mesh.of(obj).vertices)
-    try:
-        found = coarse_copy.posed_positions(obj, count, depsgraph)
-    except mesh_reader.Reordered:
-        return None  # _incoming() says so
+    found = posed_coarse.positions(obj, count, depsgraph)
     return mesh_reader.plain_positions(evaluated, count) if found is None else found
 
 
@@ -304,33 +301,12 @@ def _incoming(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier, runtime
         return None  # what arrives now was refused: the last good picture stays
     if runtime.pose is not None and len(runtime.pose) == count:
         return runtime.pose
-    positions, lost = None, False
-    try:
-        positions = coarse_copy.posed_positions(obj, count, depsgraph)
-    except mesh_reader.Reordered:
-        lost = True
+    positions = posed_coarse.positions(obj, count, depsgraph)
     shown = nodes_mod.show_render if depsgraph.mode == "RENDER" else nodes_mod.show_viewport
-    if positions is not None or not shown:
-        coarse_copy.hand_on_if_needed(obj, nodes_mod)
-        return positions
-    if coarse_copy.hand_on_if_needed(obj, nodes_mod):
-        return None  # the next evaluation hands them on
-    if not lost:
+    if positions is None and shown:
         arriving = len(obj.evaluated_get(depsgraph).data.vertices)
         _follow_topology(obj, nodes_mod, runtime, arriving, depsgraph.mode == "RENDER")
-    if lost or (coarse_copy.removers(obj, nodes_mod) and not runtime.stale):
-        raise engine.UserError(_points_are_lost(obj, nodes_mod))
-    return None
-
-
-def _points_are_lost(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier) -> str:
-    names = {m.type: m.name for m in coarse_copy.removers(obj, nodes_mod)[::-1]}
-    name = f"the modifier \"{names.get('NODES', next(iter(names.values()), ''))}\""
-    if "NODES" in names:
-        return (f"{obj.name}: {name} below {nodes_mod.name} removes points that the wrinkles are made of: move it "
-                f"above {nodes_mod.name}, or let it keep the first points")
-    return (f"{obj.name}: {name} below {nodes_mod.name} removes points that the wrinkles are made of, and these cannot "
-            f"be read while {obj.name} is hidden: show it, or move {name} above {nodes_mod.name}")
+    return positions
 
 
 def _follow_topology(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier, runtime: Runtime, arriving: int,

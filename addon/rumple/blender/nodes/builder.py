@@ -156,18 +156,6 @@ class GeometryNodes:
         node.inputs["Name"].default_value = name
         return node.outputs[0]
 
-    def beside(self, shown: Socket, geometry: Socket) -> Socket:
-        """A geometry, and an instance of the points of another one: modifiers behind leave instances alone."""
-        points = geometry
-        for kind in ("GeometryNodeMeshToPoints", "GeometryNodePointsToVertices", "GeometryNodeGeometryToInstance"):
-            node = self.node(kind)
-            self.group.links.new(points, node.inputs[0])
-            points = node.outputs[0]
-        join = self.node("GeometryNodeJoinGeometry")
-        self.group.links.new(points, join.inputs[0])
-        self.group.links.new(shown, join.inputs[0])
-        return join.outputs[0]
-
     def element_count(self, geometry: Socket, domain: str) -> Socket:
         size = self.node("GeometryNodeAttributeDomainSize", component="MESH")
         self.group.links.new(geometry, size.inputs[0])

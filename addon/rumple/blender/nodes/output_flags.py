@@ -20,7 +20,6 @@ class Flag(Enum):
     """(which output object, axis of its place)."""
 
     COARSE_ONLY = "OUTPUT", 0  # the first pass of a frame hands on the coarse mesh: frame/first_pass.py
-    POINTS_BESIDE = "OUTPUT", 1  # the posed coarse points are handed on as well: objects/coarse_copy.py
     LIVE_FOLDS = "OUTPUT", 2  # in place of a clip that is damaged: objects/modifier.py
     RENDER_MESH = "VIEWPORT_OUTPUT", 0  # viewports show the mesh of renders: objects/viewport_mesh.py
 

@@ -43,7 +43,7 @@ from .. import compat
 from .builder import GeometryNodes, empty_modifier_group
 from .output_flags import THRESHOLD, Flag
 
-VERSION = 8  # raise it when the nodes change: trees in older files are then rebuilt in place
+VERSION = 9  # raise it when the nodes change: trees in older files are then rebuilt in place
 VERSION_KEY = "rumple_wrinkle_mesh_version"
 METHOD_KEY = "rumple_method"
 
@@ -170,10 +170,6 @@ class _Builder(GeometryNodes):
         numbered = self.store(geometry, BASE_INDEX, "INT", index)
         return self.store(numbered, BASE_POSITION, "FLOAT_VECTOR", self.position())
 
-    def coarse_beside(self, geometry: bpy.types.NodeSocket, shown: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
-        """Hands on the posed coarse points too, where modifiers behind take them away: see objects/coarse_copy.py."""
-        return self.beside(shown, self.store(geometry, BASE_POSITION, "FLOAT_VECTOR", self.position()))
-
     def counts_match(self, geometry: bpy.types.NodeSocket, expected: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
         compare = self.node("FunctionNodeCompare", data_type="INT", operation="EQUAL")
         self.link(self.element_count(geometry, "POINT"), compare, "A")
@@ -197,6 +193,5 @@ class _Builder(GeometryNodes):
         for name in OUTPUT_ONLY:
             fine = self.without(fine, name)
         fine = self.switch(self.is_set(place, Flag.COARSE_ONLY), fine, self.coarse(geometry))
-        fine = self.switch(self.is_set(place, Flag.POINTS_BESIDE), fine, self.coarse_beside(geometry, fine))
         shown = self.switch(self.counts_match(geometry, inputs[COUNT]), geometry, fine)
         self.group.links.new(shown, self.node("NodeGroupOutput").inputs[0])

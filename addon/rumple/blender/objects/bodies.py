@@ -17,7 +17,7 @@ from ...core import engine, transforms
 from ...core.body import Body, digest_of_triangles, facing_outwards
 from .. import compat
 from ..nodes import path_curves_tree
-from . import (coarse_copy, incoming_mesh, made_collections, mesh_reader, messages, modifier, output_mesh, runtimes,
+from . import (incoming_mesh, made_collections, mesh_reader, messages, modifier, output_mesh, posed_coarse, runtimes,
                units)
 
 Wrinkled = tuple[bpy.types.Object, bpy.types.NodesModifier]
@@ -228,10 +228,7 @@ def _plain(body: bpy.types.Object, worn: bpy.types.Object, depsgraph: bpy.types.
         return _converted(body, worn, depsgraph.mode)
     mesh, positions, nodes_mod = worn.data, None, modifier.find(body)
     if nodes_mod is not None and not modifier.is_baked(nodes_mod):
-        try:
-            positions = coarse_copy.posed_positions(body, len(incoming_mesh.of(body).vertices), depsgraph)
-        except mesh_reader.Reordered as error:
-            raise engine.UserError(f"{body.name}: {error}") from error
+        positions = posed_coarse.positions(body, len(incoming_mesh.of(body).vertices), depsgraph)
         mesh = incoming_mesh.of(body) if positions is not None else mesh
     if not len(mesh.polygons):
         return None

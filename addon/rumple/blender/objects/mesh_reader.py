@@ -222,12 +222,9 @@ def attached(own: bpy.types.Object) -> np.ndarray | None:
 
 
 # ---------------------------------------------------------------- posed positions
-class Reordered(RuntimeError):
-    """A modifier behind the wrinkles removed coarse points."""
-
-
 def posed_positions(evaluated: bpy.types.Object, count: int) -> np.ndarray | None:
-    """Incoming coarse positions of this depsgraph's frame, (count, 3); None where the tree did not run.
+    """Incoming coarse positions of this depsgraph's frame, (count, 3); None where the tree did not run, or points are
+    gone.
 
     The tree stored them on its result. They lie in the first points; where a later modifier shuffled
     those, the stored indices say where each went.
@@ -244,7 +241,7 @@ def posed_positions(evaluated: bpy.types.Object, count: int) -> np.ndarray | Non
     usable = (index >= 0) & (index < count)
     where[index[usable][::-1]] = np.flatnonzero(usable)[::-1]  # the first of several copies wins
     if (where < 0).any():
-        raise Reordered("a modifier below the wrinkles removes points: move the wrinkles below it, or apply it")
+        return None
     return np.ascontiguousarray(values[where])
 
 

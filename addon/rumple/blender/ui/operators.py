@@ -15,8 +15,9 @@ from .. import compat, scheduler, ui_base
 from ..frame import disk_frames, rebuild
 from ..maps import rebuild as maps_rebuild
 from ..nodes import field_shader, wrinkle_tree
-from ..objects import (bodies, body_search, cloth_defaults, coarse_copy, free_parts, incoming_mesh, made_collections,
-                       mesh_reader, modifier, properties, rig_scale, runtimes, stack_notes, subdivision_behind)
+from ..objects import (bodies, body_search, cloth_defaults, free_parts, incoming_mesh, made_collections,
+                       mesh_reader, modifier, posed_coarse, properties, rig_scale, runtimes, stack_notes,
+                       subdivision_behind)
 from ..translation import said
 from . import fabrics, thumbnails
 
@@ -327,10 +328,7 @@ class OBJECT_OT_rumple_capture_rest(ui_base.OnWrinkled, bpy.types.Operator):
         now = scene.frame_current, scene.frame_subframe
         scene.frame_set(obj.rumple.rest_frame)
         coarse = incoming_mesh.of(obj)
-        try:
-            positions = coarse_copy.posed_positions(obj, len(coarse.vertices), context.evaluated_depsgraph_get())
-        except mesh_reader.Reordered:
-            positions = None  # the frame said so
+        positions = posed_coarse.positions(obj, len(coarse.vertices), context.evaluated_depsgraph_get())
         if positions is not None:
             compat.write_attribute(coarse, wrinkle_tree.REST_POSITION, "FLOAT_VECTOR", "POINT", positions)
             properties.group_of(obj).rest_shape = "FRAME"

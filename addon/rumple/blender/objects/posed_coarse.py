@@ -1,0 +1,61 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Posed positions of the coarse mesh, whatever the modifiers behind the wrinkles do.
+
+The node tree stores them on the mesh that it shows, in the first points. A modifier behind may remove these (Mask,
+Decimate, nodes), merge them (Weld), or make another mesh altogether (Remesh). Then the modifiers in front are evaluated
+once more, without those behind: what the evaluated copy of the object makes anew when it is asked for a mesh with all
+of its layers. Cost: that of the modifiers in front.
+"""
+from __future__ import annotations
+
+from contextlib import contextmanager
+from typing import Iterator
+
+import bpy
+import numpy as np
+
+from .. import compat
+from . import mesh_reader, modifier
+
+# Modifiers behind the wrinkles that leave the first points, and their order, as they are.
+_KEEP_POINTS = modifier.NEUTRAL | {"EDGE_SPLIT", "MULTIRES", "SUBSURF", "TRIANGULATE"}
+_SHOWN = ("show_viewport", "show_render")
+
+
+def positions(obj: bpy.types.Object, count: int, depsgraph: bpy.types.Depsgraph) -> np.ndarray | None:
+    """Incoming coarse positions of an object in this depsgraph's frame, (count, 3); None where the tree did not run."""
+    nodes_mod, evaluated = modifier.find(obj), obj.evaluated_get(depsgraph)
+    removers = set() if nodes_mod is None else _removers(obj, nodes_mod)
+    found = None
+    if removers <= {"NODES"}:  # most node groups keep the points, and their numbers
+        found = mesh_reader.posed_positions(evaluated, count)
+    shown = removers and (nodes_mod.show_render if depsgraph.mode == "RENDER" else nodes_mod.show_viewport)
+    if found is None and shown:
+        with _without(evaluated, list(obj.modifiers).index(nodes_mod), depsgraph) as mesh:
+            found = compat.positions(mesh) if len(mesh.vertices) == count else None
+    return found
+
+
+def _removers(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier) -> set[str]:
+    """Types of what is on behind the wrinkles and may remove points."""
+    modifiers = list(obj.modifiers)
+    return {m.type for m in modifiers[modifiers.index(nodes_mod) + 1:]
+            if m.type not in _KEEP_POINTS and (m.show_viewport or m.show_render)}
+
+
+@contextmanager
+def _without(evaluated: bpy.types.Object, index: int, depsgraph: bpy.types.Depsgraph) -> Iterator[bpy.types.Mesh]:
+    """Its mesh as it arrives at that modifier. Nothing is tagged: only the evaluated copy is told, by foreach_set,
+    which calls no update."""
+    former = {}
+    for name in _SHOWN:
+        former[name] = np.empty(len(evaluated.modifiers), bool)
+        evaluated.modifiers.foreach_get(name, former[name])
+    try:
+        for name, values in former.items():
+            evaluated.modifiers.foreach_set(name, values & (np.arange(len(values)) < index))
+        yield evaluated.to_mesh(preserve_all_data_layers=True, depsgraph=depsgraph)
+    finally:
+        evaluated.to_mesh_clear()
+        for name, values in former.items():
+            evaluated.modifiers.foreach_set(name, values)
