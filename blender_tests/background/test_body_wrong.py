@@ -13,7 +13,7 @@ from rumple.blender import compat, scheduler
 from rumple.blender.nodes import wrinkle_tree
 from rumple.blender.objects import bodies, modifier, runtimes
 from support import sleeve
-from support.worn_sleeve import Worn, solved_body
+from support.worn_sleeve import Worn, outward, solved_body
 
 
 def instances() -> bpy.types.NodeTree:
@@ -177,6 +177,28 @@ class Wrong(Worn):
             self.assertEqual(modifier.bodies(modifier.find(self.obj)), (None, None))
             self.assertIsNone(self.obj.rumple.body)
             self.body = sleeve.under(self.obj)
+
+
+class InsideOut(Worn):
+
+    def test_what_mirrors_it_in_a_frame_turns_it(self) -> None:
+        """Nodes that scale by -1 leave the connections alone, so a body that they turned inside out pulled cloth in."""
+        group = bpy.data.node_groups.new("Mirrored", "GeometryNodeTree")
+        for side in ("INPUT", "OUTPUT"):
+            compat.new_group_socket(group, "Geometry", side, "NodeSocketGeometry")
+        row = [group.nodes.new(kind) for kind in ("NodeGroupInput", "GeometryNodeTransform", "NodeGroupOutput")]
+        for before, after in zip(row, row[1:]):
+            group.links.new(before.outputs[0], after.inputs[0])
+        self.body.modifiers.new("Mirrored", "NODES").node_group = group
+        self.obj.rumple.body = self.body
+        for frame, mirrored in ((1, -1.0), (2, 1.0), (3, -1.0), (20, -1.0)):
+            row[1].inputs["Scale"].default_value = (1.0, mirrored, 1.0)
+            self.check_place(frame)
+            self.assertGreater(outward(solved_body(self.obj)), 1e-4, frame)
+        bone = bpy.data.objects["Arm"].pose.bones["upper"]
+        bone.scale.x = -1.0  # and so does a bone
+        self.check_place(1)
+        self.assertGreater(outward(solved_body(self.obj)), 1e-4)
 
 
 class OlderTree(Worn):

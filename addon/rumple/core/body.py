@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import hashlib
+import math
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-INSIDE_OUT = 0.03  # volume over area^1.5 from which a surface has an inside, as for garments (heal_winding.cpp)
+INSIDE = 0.03  # volume over area^1.5 from which a surface has an inside, as for garments (heal_winding.cpp)
+CLOSED_INSIDE = 0.005  # the same where it is nearly closed: whole bodies have 0.026 to 0.047, a long pole 0.018
+NEARLY_CLOSED = 0.2  # opening over area; bodies with a hole at the neck 0.05, a bowl 0.5
 
 
 @dataclass(frozen=True)
@@ -66,16 +69,27 @@ def same_triangles(some: np.ndarray, others: np.ndarray) -> bool:
 
 
 def facing_outwards(positions: np.ndarray, triangles: np.ndarray) -> np.ndarray:
-    """The triangles (t, 3), turned where the surface (n, 3) is inside out: Blender shows such a body as any other.
+    """The triangles (t, 3), turned where the surface (n, 3) is inside out: Blender shows such a body as any other."""
+    return triangles[:, ::-1] if side(positions, triangles) < 0 else triangles
+
+
+def side(positions: np.ndarray, triangles: np.ndarray) -> int:
+    """1: the triangles (t, 3) of a surface (n, 3) face outwards, -1: they face inwards, 0: it has no inside.
 
     Holes, as where skin was deleted under clothes, do not count: the volume is measured from the surface's middle.
+    2 ms for 28,000 triangles, where np.cross takes 12.
     """
-    a, b, c = (positions[triangles[:, k]].astype(np.float64) for k in range(3))
-    half = 0.5 * np.cross(b - a, c - a)
-    areas = np.linalg.norm(half, axis=1)
-    area = areas.sum()
-    if not area > 0.0:
-        return triangles
-    middle = (areas[:, None] * a).sum(0) / area
-    volume = ((a - middle) * half).sum() / 3.0
-    return triangles[:, ::-1] if volume < -INSIDE_OUT * area ** 1.5 else triangles
+    with np.errstate(all="ignore"):  # positions that are not finite have no volume that is more than another
+        columns = np.ascontiguousarray(positions.T)
+        a, b, c = (columns[:, corner] for corner in np.ascontiguousarray(triangles.T))
+        u, v = b - a, c - a
+        normal = [u[k - 2] * v[k - 1] - u[k - 1] * v[k - 2] for k in range(3)]  # twice as long as the triangle is large
+        areas = np.sqrt(normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2])
+        twice = float(areas.sum(dtype=np.float64))
+        if not twice > 0.0:
+            return 0
+        middle = [float((areas * a[k]).sum(dtype=np.float64)) / twice for k in range(3)]
+        volume = sum(float(((a[k] - np.float32(middle[k])) * normal[k]).sum(dtype=np.float64)) for k in range(3)) / 6.0
+        opening = math.hypot(*(float(along.sum(dtype=np.float64)) for along in normal)) / twice
+        least = (CLOSED_INSIDE if opening < NEARLY_CLOSED else INSIDE) * (0.5 * twice) ** 1.5
+        return (volume > least) - (volume < -least)

@@ -14,7 +14,7 @@ import bpy
 import numpy as np
 
 from ...core import engine, transforms
-from ...core.body import Body, digest_of_triangles, facing_outwards
+from ...core.body import Body, digest_of_triangles, side
 from .. import compat
 from ..nodes import path_curves_tree
 from . import (incoming_mesh, made_collections, mesh_reader, messages, modifier, output_mesh, posed_coarse, runtimes,
@@ -232,7 +232,8 @@ def _plain(body: bpy.types.Object, worn: bpy.types.Object, depsgraph: bpy.types.
         mesh = incoming_mesh.of(body) if positions is not None else mesh
     if not len(mesh.polygons):
         return None
-    return Body(compat.positions(mesh) if positions is None else positions, _triangles(body, mesh, depsgraph.mode))
+    positions = compat.positions(mesh) if positions is None else positions
+    return Body(positions, _triangles(body, mesh, positions, depsgraph.mode))
 
 
 def _converted(body: bpy.types.Object, worn: bpy.types.Object, mode: str) -> Body | None:
@@ -241,7 +242,8 @@ def _converted(body: bpy.types.Object, worn: bpy.types.Object, mode: str) -> Bod
     try:
         if mesh is None or not len(mesh.polygons):
             return None
-        return Body(compat.positions(mesh), _triangles(body, mesh, mode))
+        positions = compat.positions(mesh)
+        return Body(positions, _triangles(body, mesh, positions, mode))
     finally:
         worn.to_mesh_clear()
 
@@ -264,6 +266,23 @@ class _Connections(NamedTuple):
         return self.counts == other.counts and np.array_equal(self.corners, other.corners)
 
 
+class _Triangulated(NamedTuple):
+    """The triangles of a body."""
+
+    connections: _Connections
+    outwards: np.ndarray  # at rest
+    mirrored: np.ndarray | None  # the same, turned; None where it has no inside
+
+    @classmethod
+    def of(cls, rest: bpy.types.Mesh, connections: _Connections) -> "_Triangulated":
+        rest.calc_loop_triangles()
+        found = np.empty(len(rest.loop_triangles) * 3, np.int32)
+        rest.loop_triangles.foreach_get("vertices", found)
+        faced = side(compat.positions(rest), found.reshape(-1, 3))
+        one, other = found.reshape(-1, 3), np.ascontiguousarray(found.reshape(-1, 3)[:, ::-1])
+        return cls(connections, other if faced < 0 else one, None if faced == 0 else one if faced < 0 else other)
+
+
 class _Joined(NamedTuple):
     """The triangles of all bodies of a garment, and of what they were made."""
 
@@ -273,7 +292,7 @@ class _Joined(NamedTuple):
     digest: bytes
 
 
-_triangulated: dict[ByDepsgraph, tuple[_Connections, np.ndarray]] = {}  # by body: of what, and triangles
+_triangulated: dict[ByDepsgraph, _Triangulated] = {}  # by body
 _joined: dict[ByDepsgraph, _Joined] = {}  # by garment
 
 
@@ -305,20 +324,18 @@ def note_updates(garment: bpy.types.Object, touched: set[int]) -> None:
                 del _triangulated[key]
 
 
-def _triangles(body: bpy.types.Object, mesh: bpy.types.Mesh, mode: str) -> np.ndarray:
+def _triangles(body: bpy.types.Object, mesh: bpy.types.Mesh, positions: np.ndarray, mode: str) -> np.ndarray:
     """(t, 3) int32 vertices, kept as long as the connections stay: how a frame bends a polygon does not count.
 
     Where modifiers leave the connections alone they are those of the mesh at rest, whichever frame comes first. Those
-    of a body that is inside out are turned.
+    of a body that is inside out are turned: at rest, or by what mirrors it in a frame (nodes, a bone).
     """
     key, now = (compat.session_key(body), mode), _Connections.of(mesh)
-    kept, triangles = _triangulated.get(key, (None, None))
-    if kept is None or not kept.same_as(now):
+    kept = _triangulated.get(key)
+    if kept is None or not kept.connections.same_as(now):
         meshes = (body.data, incoming_mesh.of(body)) if body.type == "MESH" else ()
         rest = next((known for known in meshes if _Connections.of(known).same_as(now)), mesh)
-        rest.calc_loop_triangles()
-        triangles = np.empty(len(rest.loop_triangles) * 3, np.int32)
-        rest.loop_triangles.foreach_get("vertices", triangles)
-        triangles = np.ascontiguousarray(facing_outwards(compat.positions(rest), triangles.reshape(-1, 3)))
-        _triangulated[key] = now, triangles
-    return triangles
+        kept = _triangulated[key] = _Triangulated.of(rest, now)
+    if kept.mirrored is not None and side(positions, kept.outwards) < 0:
+        return kept.mirrored
+    return kept.outwards
