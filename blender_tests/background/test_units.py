@@ -189,6 +189,24 @@ class Applied(unittest.TestCase):
                 bpy.ops.object.rumple_remove()
                 self.assertNotIn(wrinkle_tree.REST_BASIS, self.obj.data.attributes)
 
+    def test_up_at_rest_goes_along(self) -> None:
+        """The waist of trousers that lay on their back was no longer the highest opening, and the hems were pinned."""
+        self.obj.rotation_euler, self.obj.scale = (0.0, -1.5, 0.4), (2.0, 1.0, 1.5)
+        sleeve.make_active(self.obj)
+        bpy.ops.object.rumple_add(method="MESH")
+        mesh = self.obj.rumple.mesh
+        mesh.up = "X"  # along the sleeve: up in the world, nearly
+        self.obj.rumple.field.up = "-Y"
+        scheduler.sync_all()
+        bpy.ops.ed.undo_push(message="Before")
+        for again in range(2):
+            self.apply()
+            self.assertEqual((mesh.up, self.obj.rumple.field.up, self.obj.rumple.paths.up), ("Z", "-Y", "Z"), again)
+        mesh.up = "-X"  # chosen anew, it stays
+        self.obj.data.vertices[3].co.x += 0.2
+        self.apply()
+        self.assertEqual(mesh.up, "-X")
+
     def test_a_mirrored_body_is_outside_where_it_was(self) -> None:
         """Blender 3.4 and 4.3 leave it inside out. Cloth took the inside for the outside until the file was opened."""
         obj = self.obj = sleeve.scene(wrinkles=False)

@@ -11,7 +11,7 @@ import numpy as np
 from ..native import kernels
 from . import transforms
 from .body import Body, same_triangles
-from .cloth_settings import ClothSettings
+from .cloth_settings import ClothSettings, direction_of
 from .fabrics import GRAVITY
 from .hangs_free import FREE, room_factor
 from .surroundings import Surroundings
@@ -214,9 +214,7 @@ def hanging(gravity: float, world_from_object: np.ndarray | None) -> tuple[float
 
 def suggested_follow(surface: Any, up: str) -> np.ndarray:
     """(n,) float32: how firmly every vertex follows the animation where nothing is painted. up: of settings."""
-    direction = np.zeros(3)
-    direction["XYZ".index(up[-1])] = -1.0 if up[0] == "-" else 1.0
-    return kernels.suggest_follow(surface, tuple(direction))
+    return kernels.suggest_follow(surface, tuple(direction_of(up)))
 
 
 def length_over_cotton(bending_length: float) -> float:

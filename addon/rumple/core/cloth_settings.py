@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+
 from .setting import setting
 
 BASE_CLOTHS = (
@@ -17,6 +19,19 @@ BASE_CLOTHS = (
 )
 UPS = tuple((axis, axis, f"The {axis} axis of the garment's own mesh points up at rest")
             for axis in ("X", "Y", "Z", "-X", "-Y", "-Z"))
+
+
+def nearest_up(direction: np.ndarray) -> str:
+    """The axis of an object that is nearest to a direction, as the setting names it."""
+    axis = int(np.abs(direction).argmax())
+    return ("-" if direction[axis] < 0.0 else "") + "XYZ"[axis]
+
+
+def direction_of(up: str) -> np.ndarray:
+    """(3,) of an axis."""
+    direction = np.zeros(3)
+    direction["XYZ".index(up[-1])] = -1.0 if up[0] == "-" else 1.0
+    return direction
 
 
 @dataclass

@@ -24,7 +24,7 @@ _PLACES = {
                        "*.rigid_parts object.incoming",
     "gpu-preview": "*.gpu_preview",
     "swing": "*.mass *.swing_damping *.substeps *.locomotion *.drag",
-    "pinned-to-the-animation": "*.up",
+    "pinned-to-the-animation": "*.up object.up_places",
     "cloth": "*.base_cloth *.drape *.slack *.gravity *.room *.slide_room *.free_room *.bending_length mesh.layers "
              "mesh.folds mesh.detail",
     "body": "*.thickness *.friction object.body object.body_collection",

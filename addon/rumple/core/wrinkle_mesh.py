@@ -13,7 +13,7 @@ from ..native import kernels
 from .base_mesh import BaseMesh, affordable_level
 from .body import Body
 from .cloth import bend_radius, size_factor
-from .cloth_settings import ClothSettings
+from .cloth_settings import ClothSettings, nearest_up
 from .cloth_surface import checked_surface
 from .engine import MOST_VERTICES, Wrinkles
 from .flared import is_flared
@@ -107,7 +107,7 @@ def cloth_defaults(base: BaseMesh, unit_scale: float, world_from_object: np.ndar
     finest = SHEET_WAVELENGTH if sheet else SKIRT_WAVELENGTH if is_flared(base, world_from_object) else CLOTH_WAVELENGTH
     lengths = dict(wavelength=finest, room=ClothSettings.room, slide_room=ClothSettings.slide_room,
                    free_room=ClothSettings.free_room, thickness=ClothSettings.thickness)
-    return dict(base_cloth="HANG", layers="CLOTH", hem_rings=0, up=upward_axis(world_from_object),
+    return dict(base_cloth="HANG", layers="CLOTH", hem_rings=0, up=nearest_up(world_from_object[2]),
                 **{name: float(f"{length * scale:.2g}") for name, length in lengths.items()})
 
 
@@ -125,13 +125,6 @@ def coarse_mesh(base: BaseMesh, settings: MeshSettings, surface: Any, unit_scale
         return kernels.build_coarse(surface, spacing / unit_scale)
     except ValueError:
         return None
-
-
-def upward_axis(world_from_object: np.ndarray) -> str:
-    """The axis of an object that points up most, as the setting names it."""
-    heights = np.asarray(world_from_object)[2]
-    axis = int(np.abs(heights).argmax())
-    return ("-" if heights[axis] < 0.0 else "") + "XYZ"[axis]
 
 
 class WrinkleMesh(Wrinkles):

@@ -4,7 +4,8 @@ moves the vertices then, but no vector that an attribute has: a captured rest sh
 painted waves would run another way.
 
 So the undeformed positions that these vectors belong to are kept in an attribute beside them. Where most vertices have
-been moved by one affine map since, it moves the vectors too.
+been moved by one affine map since, it moves the vectors too. Up At Rest is a vector of the object: for it a few of the
+positions are kept with the object.
 """
 from __future__ import annotations
 
@@ -12,9 +13,13 @@ import bpy
 import numpy as np
 
 from ...core import transforms
+from ...core.cloth_settings import direction_of, nearest_up
+from ...core.systems import SYSTEMS
 from .. import compat
 from ..nodes.wrinkle_tree import REST_BASIS, REST_POSITION
-from . import incoming_mesh, mesh_reader
+from . import incoming_mesh, mesh_reader, properties
+
+GOLDEN = 0.6180339887
 
 
 def follow(obj: bpy.types.Object) -> None:
@@ -22,6 +27,26 @@ def follow(obj: bpy.types.Object) -> None:
     for mesh in {obj.data, incoming_mesh.of(obj)}:
         if compat.is_editable(mesh) and not mesh.is_editmode:
             _follow(mesh)
+    if compat.is_editable(obj) and not obj.data.is_editmode:
+        _follow_up(obj)
+
+
+def _follow_up(obj: bpy.types.Object) -> None:
+    places = mesh_reader.basis_positions(obj.data)
+    if not len(places):
+        return
+    spread = np.arange(properties.UP_PLACES) * GOLDEN % 1.0  # over the mesh, and of a grid not on one line
+    some = places[(spread * len(places)).astype(np.int64)]
+    now = np.append(some.ravel(), np.float32(len(places)))
+    before = np.array(obj.rumple.up_places, np.float32)
+    if np.array_equal(before, now):
+        return
+    applied = transforms.affine_between(before[:-1].reshape(-1, 3), some) if before[-1] == now[-1] else None
+    for system in SYSTEMS.values() if applied is not None else ():
+        group = getattr(obj.rumple, system.group)
+        if group.is_property_set("up") or system.method == obj.rumple.method:
+            group.up = nearest_up(transforms.turned_one(applied[:, :3], direction_of(group.up)))
+    obj.rumple.up_places = now
 
 
 def _is_vector(attribute: bpy.types.Attribute | None) -> bool:

@@ -18,6 +18,7 @@ MAPS = ("MAPS", "Wrinkle Maps", "Normal maps of reference poses, blended by the 
 DEFAULT_MOST_VERTICES = 250_000  # made in about two seconds
 DEFAULT_MEMORY = 512  # megabytes; about 250 frames of a shirt at 50,000 points
 DEFAULT_DISK = 2048  # megabytes
+UP_PLACES = 10  # vertices that tell how the mesh was turned: see applied_transforms.py
 
 MOST_STEPS = 200  # pixels of a drag over the values in use
 
@@ -168,6 +169,8 @@ class RUMPLE_Object(bpy.types.PropertyGroup):
                                              description="The node group with the curve that was drawn as profile")
     rest_key: bpy.props.StringProperty(name="Rest Key", options=set(), override=_OVERRIDE, update=_changed("MESH"),
                                        description="The shape key that is the unwrinkled cloth")
+    # Nobody sees it: undeformed positions of some vertices, and how many there are, of the mesh that Up At Rest is of.
+    up_places: bpy.props.FloatVectorProperty(size=3 * UP_PLACES + 1, name="Up At Rest", override=_OVERRIDE)
     rest_frame: bpy.props.IntProperty(name="Frame At Rest", default=1, options=set(), override=_OVERRIDE,
                                       description="The frame whose shape Capture takes as the unwrinkled cloth")
     viewport_steps: bpy.props.IntProperty(name="Viewport", default=0, min=0, max=2, options=set(), override=_OVERRIDE,
