@@ -105,6 +105,50 @@ class Gone(Case):
         self.assertEqual(bodies.of(self.obj), [self.body, self.inner])
 
 
+class Moved(Case):
+    """To another collection by a script, which unlinks from all that an object is in: the garment lost it."""
+
+    def move(self, into: str = "Clothes") -> None:
+        other = bpy.data.collections.new(into)
+        bpy.context.scene.collection.children.link(other)
+        for collection in self.inner.users_collection:
+            collection.objects.unlink(self.inner)
+        other.objects.link(self.inner)
+
+    def test_it_stays(self) -> None:
+        self.worn_vertices(3)
+        for again in range(2):
+            self.move()
+            self.assertEqual(self.worn_vertices(4 + again), 2 * len(self.body.data.vertices))
+            self.assertEqual(self.members(self.obj), ["Trousers"])
+        self.assertEqual(len(self.inner.users_collection), 2)
+
+    def test_with_updates_while_it_is_nowhere(self) -> None:
+        self.worn_vertices(3)
+        for collection in self.inner.users_collection:
+            collection.objects.unlink(self.inner)
+        for _ in range(2):
+            bpy.context.view_layer.update()
+            scheduler.sync_all()
+        bpy.context.scene.collection.objects.link(self.inner)
+        self.worn_vertices(4)
+        self.assertEqual(self.members(self.obj), ["Trousers"])
+
+    def test_taken_out_by_hand_it_is_out(self) -> None:
+        self.worn_vertices(3)
+        self.obj.rumple.body_collection.objects.unlink(self.inner)
+        for frame in (4, 5):
+            self.assertEqual(self.worn_vertices(frame), len(self.body.data.vertices))
+        self.assertEqual(self.members(self.obj), [])
+        self.move()  # later
+        self.assertEqual(self.worn_vertices(6), len(self.body.data.vertices))
+
+    def test_deleted_it_is_gone(self) -> None:
+        self.worn_vertices(3)
+        bpy.data.objects.remove(self.inner)
+        self.assertEqual(self.worn_vertices(4), len(self.body.data.vertices))
+
+
 class Duplicated(Case):
 
     def duplicate(self, linked: bool) -> bpy.types.Object:

@@ -13,7 +13,8 @@ from . import scheduler
 from .frame import clip_status, disk_frames, first_pass, rebuild, solve
 from .maps import (changes as maps_changes, modifier as maps_modifier, rebuild as maps_rebuild,
                    runtimes as maps_runtimes, solve as maps_solve)
-from .objects import bodies, building, changes, kept_lists, messages, modifier, runtimes, undo_references
+from .objects import (bodies, building, changes, kept_lists, made_collections, messages, modifier, runtimes,
+                      undo_references)
 
 
 _PATIENCE = 30.0  # seconds that a render waits for what was edited just before
@@ -110,6 +111,7 @@ def _before_undo(*_arguments: object) -> None:
 def _on_undo(*_arguments: object) -> None:
     kept_lists.forget_all()
     undo_references.restore_references()
+    made_collections.forget_members()
     for table in _RUNTIMES:
         table.invalidate_all()
     scheduler.request()

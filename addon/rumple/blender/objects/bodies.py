@@ -148,6 +148,7 @@ def connect_all() -> None:
         if body is not None and compat.is_editable(obj) and _is_deleted(body):
             obj.rumple.body = None  # else what was deleted stays in the file, for it has a user
         _drop_left_overs(obj.rumple.body_collection)
+        made_collections.take_back(obj.rumple.body_collection)
         if not is_connected(obj, nodes_mod):
             modifier.set_bodies(nodes_mod, *_wanted(obj))
 
@@ -300,6 +301,7 @@ def forget_all() -> None:
     _triangulated.clear()
     _joined.clear()
     _found_in.clear()
+    made_collections.forget_members()
 
 
 def _joined_triangles(key: ByDepsgraph, surfaces: list[Body]) -> _Joined:

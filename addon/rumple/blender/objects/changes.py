@@ -8,7 +8,7 @@ import numpy as np
 from .. import compat, scheduler
 from ..nodes import field_profile
 from ..scheduler import LOCK
-from . import bodies, guide_curves, incoming_mesh, modifier, runtimes
+from . import bodies, guide_curves, incoming_mesh, made_collections, modifier, runtimes
 
 
 def settings_changed(obj: bpy.types.Object, affects: str, structural: bool) -> None:
@@ -36,6 +36,7 @@ def note_updates(depsgraph: bpy.types.Depsgraph) -> None:
     """Mark what must be read again: painted groups, edited meshes, own meshes, materials."""
     if scheduler.rendering() or scheduler.is_suspended():
         return
+    _note_moved()
     touched = _touched_ids(depsgraph)
     if not touched:
         return
@@ -56,6 +57,14 @@ def note_updates(depsgraph: bpy.types.Depsgraph) -> None:
                 scheduler.request(scheduler.DELAY)  # of a stroke once, at its end: frames follow the brush
             elif runtime.paint and compat.session_key(obj) in touched and not scheduler.playing():
                 runtime.paint = None  # vertex_group.add() from scripts tags the object only, as animation does
+
+
+def _note_moved() -> None:
+    """What a garment is worn over may have left the collection that Rumple keeps it in."""
+    for obj, _ours in modifier.wrinkled_objects():
+        if made_collections.lost_members(obj.rumple.body_collection):
+            runtimes.of(obj).stale = True
+            scheduler.request()
 
 
 def _restacked(obj: bpy.types.Object, runtime: runtimes.Runtime, touched: set[int]) -> bool:

@@ -1,6 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Collections that Rumple makes: the garments that another one is worn over. They are in no scene, so Blender neither
-takes out of them what is deleted, nor gives a duplicate one of its own."""
+takes out of them what is deleted, nor gives a duplicate one of its own.
+
+Scripts that move an object to another collection unlink it from all that it is in, and these are among them. Who takes
+a member out of one by hand leaves it where else it was: so the two can be told apart.
+"""
 from __future__ import annotations
 
 from typing import Iterable
@@ -29,3 +33,43 @@ def is_ours(collection: bpy.types.Collection) -> bool:
     return (KEY in collection or ends_so) and not any(
         compat.holds(parent.children, collection)
         for parent in (*(scene.collection for scene in bpy.data.scenes), *bpy.data.collections))
+
+
+# ---------------------------------------------------------------- members that were moved
+# By the name of a collection: its members, and the other collections that each was in when that was seen last.
+_seen: dict[str, dict[str, set[str]]] = {}
+
+
+def forget_members() -> None:
+    """Another state of the file: what was seen before does not count."""
+    _seen.clear()
+
+
+def lost_members(collection: bpy.types.Collection | None) -> list[bpy.types.Object]:
+    """What is no longer in it, nor in any of the other collections that it was in, but in another one."""
+    known, found = {} if collection is None else _seen.get(collection.name, {}), []
+    for name in known.keys() - {member.name for member in collection.objects} if known else ():
+        obj = bpy.data.objects.get(name)
+        places = set() if obj is None else _places(obj)
+        if places & known[name]:
+            del known[name]  # by hand
+        elif places:
+            found.append(obj)
+    return found
+
+
+def take_back(collection: bpy.types.Collection | None) -> None:
+    """Let it have its lost members again. Not in handlers."""
+    if collection is None or not compat.is_editable(collection) or not is_ours(collection):
+        return
+    for obj in lost_members(collection):
+        collection.objects.link(obj)
+    on_the_way: dict[str, set[str]] = {
+        name: set() for name in _seen.get(collection.name, {})
+        if name in bpy.data.objects and not _places(bpy.data.objects[name])}  # whichever it comes to
+    _seen[collection.name] = on_the_way | {member.name: _places(member) for member in collection.objects}
+
+
+def _places(obj: bpy.types.Object) -> set[str]:
+    """The other collections that it is in."""
+    return {collection.name for collection in obj.users_collection if not is_ours(collection)}
