@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""One garment in two scenes, each in a window of its own: they share the mesh that shows it."""
+"""Two scenes, each in a window of its own: with one garment, whose shown mesh they share, and with one each."""
 from __future__ import annotations
 
 import unittest
@@ -7,6 +7,7 @@ from typing import Any, Iterator
 from unittest import mock
 
 import bpy
+import numpy as np
 from rumple.blender.frame import solve
 from rumple.blender.objects import output_mesh, runtimes
 from support import sleeve
@@ -65,6 +66,60 @@ class TwoScenes(WindowCase):
         obj.update_tag()
         yield 0.3
         self.assertEqual((runtimes.of(obj).inputs.frame, runtimes.of(obj).unplayed), (3.0, ""))
+
+    def two_garments(self) -> Iterator[float]:
+        """Each in a scene and a window of its own, the second one at half the frame rate."""
+        sleeve.scene()
+        self.addCleanup(self.close_second)
+        first = bpy.context.window_manager.windows[0]
+        with sleeve.context(window=first):
+            bpy.ops.wm.window_new_main()
+        yield 0.3
+        second = bpy.context.window_manager.windows[1]
+        with sleeve.context(window=second):
+            bpy.ops.scene.new(type="FULL_COPY")
+        second.scene.name, second.scene.render.fps = "Other", 12
+        yield 0.5
+
+    def garment(self, scene: str) -> bpy.types.Object:
+        return next(obj for obj in bpy.data.scenes[scene].objects if obj.name.startswith("Sleeve"))
+
+    def play(self, number: int, until: int) -> Iterator[float]:
+        """In a window, from its first frame."""
+        window = bpy.context.window_manager.windows[number]
+        with sleeve.context(window=window, screen=window.screen):
+            bpy.ops.screen.animation_play()
+        window.scene.frame_set(1)
+        yield from self.until(lambda: window.scene.frame_current >= until)
+        with sleeve.context(window=window, screen=window.screen):
+            bpy.ops.screen.animation_cancel(restore_frame=False)
+        yield 0.2
+
+    def test_each_garment_plays_in_its_own_window(self) -> Iterator[float]:
+        """What one window plays leaves the other's garment, its frames and its picture as they are."""
+        yield from self.two_garments()
+        for scene in ("Scene", "Other"):
+            bpy.data.scenes[scene].frame_set(1)
+        yield 0.5
+        for number, (scene, other) in enumerate((("Scene", "Other"), ("Other", "Scene"), ("Scene", "Other"))):
+            still = runtimes.of(self.garment(other))
+            before = still.inputs.frame, still.result.positions.copy(), set(still.evaluator.frame_cache.frames())
+            yield from self.play(number % 2, 8)
+            played = runtimes.of(self.garment(scene))
+            self.assertGreaterEqual(played.inputs.frame, 8.0)
+            self.assertEqual(played.inputs.frame_rate, 24.0 if scene == "Scene" else 12.0)
+            still = runtimes.of(self.garment(other))
+            self.assertEqual((still.inputs.frame, set(still.evaluator.frame_cache.frames())), (before[0], before[2]))
+            np.testing.assert_array_equal(still.result.positions, before[1])
+            for each in (scene, other):
+                obj = self.garment(each)
+                self.assertEqual((obj.rumple.message, runtimes.of(obj).unplayed), ("", ""))
+        for scene in ("Scene", "Other"):
+            bpy.data.scenes[scene].frame_set(5)
+        yield 0.5
+        one, two = (runtimes.of(self.garment(scene)) for scene in ("Scene", "Other"))
+        self.assertIsNot(one.evaluator, two.evaluator)
+        np.testing.assert_array_equal(one.result.positions, two.result.positions)  # the same pose, reached alike
 
     def close_second(self) -> None:
         windows = bpy.context.window_manager.windows
