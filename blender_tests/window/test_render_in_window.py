@@ -85,6 +85,25 @@ class RenderJob(WindowCase):
             self.assertEqual(bpy.context.scene.frame_current, 15)
             np.testing.assert_array_equal(sleeve.shown(self.obj), seen)
 
+    def test_no_job_starts_a_timer(self) -> Iterator[float]:
+        """Blender's list of timers is not guarded against threads, and the main thread may be going through it."""
+        started, register = [], bpy.app.timers.register
+
+        def note(*what: object, **how: object) -> None:
+            started.append(scheduler.in_main_thread())
+            register(*what, **how)
+
+        patch = mock.patch.object(bpy.app.timers, "register", note)
+        patch.start()
+        self.addCleanup(patch.stop)
+        yield from self.files("CYCLES", write_still=True)
+        tagged: list[str] = []
+        bpy.app.handlers.depsgraph_update_post.append(updated := lambda *_: tagged.append("updated"))
+        self.addCleanup(bpy.app.handlers.depsgraph_update_post.remove, updated)
+        yield from self.until(lambda: tagged)  # the window gets its own meshes back all the same
+        self.assertTrue(tagged)
+        self.assertNotIn(False, started)
+
     def test_a_job_waits_for_what_was_changed_just_before(self) -> Iterator[float]:
         """It took what was there, and after an edit nothing: what was pending waited for the end of the job."""
         self.obj = small_renders.stage("CYCLES")

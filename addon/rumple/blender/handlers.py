@@ -148,8 +148,7 @@ def _on_render_end(*_arguments: object) -> None:
         scheduler.set_rendering(False)
         for table in _RUNTIMES:
             table.invalidate_outputs()
-    if not bpy.app.background:
-        scheduler.tag_soon({obj.name for obj, _ours in (*modifier.wrinkled_objects(), *maps_modifier.mapped_objects())})
+    scheduler.tag_soon({obj.name for obj, _ours in (*modifier.wrinkled_objects(), *maps_modifier.mapped_objects())})
 
 
 def _pairs() -> tuple:
@@ -169,6 +168,7 @@ def register() -> None:
     for functions, function in _pairs():
         if function not in functions:
             functions.append(function)
+    scheduler.look_for_threads()
 
 
 def unregister() -> None:

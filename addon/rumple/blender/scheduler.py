@@ -19,6 +19,7 @@ import bpy
 # that would drop a frame.
 LOCK = threading.RLock()
 POLL = 0.05  # seconds between two looks at what threads make
+LOOK = 0.5  # seconds between two looks at what threads have left to be done
 JOB = 1.0  # seconds after the last frame that the job of an export evaluated
 DELAY = 0.25  # seconds without another change before a dragged slider or a brush stroke is rebuilt
 
@@ -256,24 +257,37 @@ def _redraw_panels() -> float | None:
 def tag_soon(names: set[str]) -> None:
     """Let objects be evaluated once more: from where nothing may be tagged."""
     _due.update(names)
-    if _due and not bpy.app.timers.is_registered(_tag_due):
-        bpy.app.timers.register(_tag_due, first_interval=0.0)
+    if _due and in_main_thread() and not bpy.app.background:
+        _restart(0.0)
 
 
-def _tag_due() -> float | None:
+def look_for_threads() -> None:
+    """From now on what the threads of jobs leave to be done is done when they have ended: they may start no timer, and
+    Blender calls nothing of ours in the main thread then."""
+    if not bpy.app.background:
+        _restart(LOOK)
+
+
+def _restart(seconds: float) -> None:
+    """The one timer that always runs."""
+    if bpy.app.timers.is_registered(_look):
+        bpy.app.timers.unregister(_look)
+    bpy.app.timers.register(_look, first_interval=seconds, persistent=True)
+
+
+def _look() -> float:
     if _render_running:
-        return 0.5  # a tag reaches the depsgraph of the render as well, in the midst of its evaluation
-    names = set(_due)
-    _due.clear()
-    for name in names:
+        return LOOK  # a tag reaches the depsgraph of the render as well, in the midst of its evaluation
+    while _due:
+        name = _due.pop()
         if name in bpy.data.objects:
             bpy.data.objects[name].update_tag()
-    return None
+    return LOOK
 
 
 def stop() -> None:
     """For unregister()."""
-    for function in (_on_timer, _tag_due, _redraw_panels, hurry):
+    for function in (_on_timer, _look, _redraw_panels, hurry):
         if bpy.app.timers.is_registered(function):
             bpy.app.timers.unregister(function)
     _awaited.clear()
