@@ -103,15 +103,22 @@ def instances(obj: bpy.types.Object) -> None:
 
 
 class Deformers(Arriving, unittest.TestCase):
+    """With the Wrinkle Mesh; the other systems are below."""
+
+    method = "MESH"
+
     def garment(self, posed: Callable[[bpy.types.Object], None]) -> bpy.types.Object:
         obj = sleeve.scene(wrinkles=False)
         sleeve.bend_until(LAST)
         posed(obj)
         sleeve.make_active(obj)
-        obj.rumple.mesh.density, obj.rumple.mesh.level, obj.rumple.mesh.display_steps = "LEVEL", 1, 0
+        settings = getattr(obj.rumple, self.method.lower())
+        settings.density, settings.level, settings.display_steps = "LEVEL", 1, 0
+        if self.method == "FIELD":
+            settings.output = "GEOMETRY"  # what is shown is what is solved
         obj.rumple.viewport_steps = 0
         sleeve.at(1)
-        self.assertEqual(bpy.ops.object.rumple_add(method="MESH"), {"FINISHED"})
+        self.assertEqual(bpy.ops.object.rumple_add(method=self.method), {"FINISHED"})
         return obj
 
     def played(self, posed: Callable[[bpy.types.Object], None]) -> bpy.types.Object:
@@ -155,6 +162,14 @@ class Deformers(Arriving, unittest.TestCase):
         seen = [len(instance.object.data.vertices) for instance in depsgraph.object_instances
                 if instance.is_instance and instance.object.original == obj]
         self.assertEqual(seen, [count])
+
+
+class WithField(Deformers):
+    method = "FIELD"
+
+
+class WithPaths(Deformers):
+    method = "PATHS"
 
 
 if __name__ == "__main__":
