@@ -11,6 +11,7 @@ import gpu
 import numpy as np
 import rumple_native as native
 from rumple.blender.viewport import glsl, gpu_arrays, preview_field
+from support import gpu_waves
 from support.window_case import WindowCase
 
 CLOSE = 1e-5  # of the largest number in a result: some roundings of float32
@@ -278,7 +279,7 @@ class Stages(WindowCase):
 
     def test_crush(self) -> None:
         self.make()
-        vector_height, crushed_ = self.field.read_waves()
+        vector_height, crushed_ = gpu_waves.estimated(self.field)
         wrinkles = self.waves.fullness > 0.0
         self.assertGreater(wrinkles.sum(), 300)
         self.assertGreater((~wrinkles).sum(), 50)
@@ -300,7 +301,7 @@ class Stages(WindowCase):
                 self.field.relax(rounds)
                 expected = native.relax_wrinkle_field(self.model, self.settings, self.waves, rounds, start)
                 self.assertGreater(np.abs(apart(start, expected)).max(), 1e-3)
-                np.testing.assert_allclose(apart(self.field.read_phase(), expected), 0.0, atol=tolerance)
+                np.testing.assert_allclose(apart(gpu_waves.phases(self.field), expected), 0.0, atol=tolerance)
 
     def test_a_clip_on_the_gpu_alone(self) -> None:
         """Crush with the k of the frame before and one round, for 20 frames, from the engine's first."""
@@ -315,7 +316,7 @@ class Stages(WindowCase):
             self.field.pose(*self.model.weld_pose(self.posed))
             self.field.estimate_waves()
             self.field.relax(1)
-            off = apart(self.field.read_phase(), state.phase)
+            off = apart(gpu_waves.phases(self.field), state.phase)
             np.testing.assert_allclose(off, 0.0, atol=self.PHASE, err_msg=str(frame))
 
     def test_a_real_clip_on_the_gpu_alone(self) -> None:
@@ -342,8 +343,8 @@ class Stages(WindowCase):
             field.pose(*model.weld_pose(positions))
             field.estimate_waves()
             field.relax(1)
-            wrinkles = field.read_waves()[1][:, 2] > 0.05  # where nothing is compressed rounding chooses k, too
-            off = np.abs(apart(field.read_phase(), state.phase))[wrinkles]
+            wrinkles = gpu_waves.estimated(field)[1][:, 2] > 0.05  # where nothing is compressed rounding chooses k, too
+            off = np.abs(apart(gpu_waves.phases(field), state.phase))[wrinkles]
             self.assertGreater(len(off), 100)
             self.assertLess(off.max(), 0.1, frame)
             self.assertLess(np.percentile(off, 99), 5e-3, frame)
@@ -351,7 +352,7 @@ class Stages(WindowCase):
     def test_uv_slopes(self) -> None:
         self.make()
         self.field.unfold()
-        u, v = self.field.read_uv_slopes()
+        u, v = gpu_waves.uv_slopes(self.field)
         picture = native.show_wrinkle_field(
             self.model, self.settings, native.WrinkleFieldProfile("SINE"), self.paint, self.posed,
             native.solve_wrinkle_field(self.model, self.settings, self.paint, self.posed)[0])

@@ -15,7 +15,7 @@ from rumple.blender.objects import modifier, runtimes
 from rumple.blender.ui import panels
 from rumple.blender.viewport import gpu_arrays, preview, preview_field
 from rumple.core.wrinkle_field import PHASE, U_GRADIENT, V_GRADIENT, VECTORS, WEIGHT
-from support import sleeve, small_renders
+from support import gpu_waves, sleeve, small_renders
 from support.preview_case import PreviewCase, smooth
 
 SIDE = 400  # pixels of the drawings into a buffer
@@ -84,11 +84,11 @@ class Drawn(PreviewCase):
             self.area.tag_redraw()
             yield from self.until_drawn(frame)
             expected = runtimes.of(self.obj).evaluator.state_of(float(frame)).phase
-            off = (self.held().drawing.waves.read_phase() - expected + math.pi) % (2.0 * math.pi) - math.pi
+            off = (gpu_waves.phases(self.held().drawing.waves) - expected + math.pi) % (2.0 * math.pi) - math.pi
             # Where nothing is compressed k is of no direction, and rounding chooses it.
-            wrinkles = self.held().drawing.waves.read_waves()[1][:, 2] > 0.05
+            wrinkles = gpu_waves.estimated(self.held().drawing.waves)[1][:, 2] > 0.05
             np.testing.assert_allclose(off[wrinkles], 0.0, atol=1e-3, err_msg=str(frame))
-            drawn = self.held().drawing.waves.read_drawn()[:, 3]
+            drawn = gpu_waves.drawn(self.held().drawing.waves)[:, 3]
             shown = self.in_renders().attributes["rumple_amplitude"]
             np.testing.assert_allclose(drawn[wrinkles], shown[wrinkles], atol=2e-3 * shown.max(), err_msg=str(frame))
         self.assertGreater(wrinkles.sum(), 20)
@@ -115,7 +115,7 @@ class Drawn(PreviewCase):
             expected = native.estimate_waves_wrinkle_field(
                 runtime.evaluator.model, runtime.evaluator._native_settings(runtime.inputs.settings),
                 runtime.evaluator._paint, runtime.inputs.positions, runtime.evaluator.state_of(float(frame)))
-            fullness = self.held().drawing.waves.read_waves()[1][:, 2]
+            fullness = gpu_waves.estimated(self.held().drawing.waves)[1][:, 2]
             np.testing.assert_allclose(fullness**2, expected.fullness**2, atol=1e-5, err_msg=str(frame))
             self.assertLess(fullness.max() if frame == 10 else 0.0, 1e-2)  # the first frame is unwrinkled
 

@@ -138,6 +138,11 @@ def keyed_curves(user: bpy.types.AnimData | bpy.types.NlaStrip) -> Iterator[bpy.
                 yield from bag.fcurves if bag is not None else ()
 
 
+def has_strips(about: bpy.types.AnimData) -> bool:
+    """Whether strips have a say in what is animated: what they make of a value is not known before a frame is shown."""
+    return any(track.strips for track in about.nla_tracks)
+
+
 def animated_paths(obj: bpy.types.Object) -> set[str]:
     """Data paths of what keys, drivers and strips change from frame to frame."""
     about = obj.animation_data

@@ -66,7 +66,7 @@ def _above_all(obj: bpy.types.Object, rig: bpy.types.Object) -> list[bpy.types.P
 
 def _keyed_scale(about: bpy.types.AnimData, path: str, bone: bpy.types.PoseBone, frame: int) -> list[float]:
     """Of its axes in a frame; 1 where drivers or strips have a say."""
-    if any(track.strips for track in about.nla_tracks) or any(curve.data_path == path for curve in about.drivers):
+    if compat.has_strips(about) or any(curve.data_path == path for curve in about.drivers):
         return [1.0, 1.0, 1.0]
     curves = [compat.find_curve(about, path, axis) for axis in range(3)]
     return [scale if curve is None else curve.evaluate(frame) for scale, curve in zip(bone.scale, curves)]

@@ -73,7 +73,7 @@ def scale_is_known(obj: bpy.types.Object) -> bool:
 
 
 def _scales_otherwise(about: bpy.types.AnimData) -> bool:
-    return (any(track.strips for track in about.nla_tracks)
+    return (compat.has_strips(about)
             or any(about.drivers.find(name, index=axis) is not None for name, axis in SCALES))
 
 

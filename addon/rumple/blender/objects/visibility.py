@@ -24,7 +24,7 @@ def is_keyed(obj: bpy.types.Object) -> bool:
     if about is None:
         return False
     return (any(compat.find_curve(about, name) is not None or about.drivers.find(name) is not None for name in HIDES)
-            or any(track.strips for track in about.nla_tracks))
+            or compat.has_strips(about))
 
 
 def _is_needed(obj: bpy.types.Object) -> bool:

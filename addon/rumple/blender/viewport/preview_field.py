@@ -14,7 +14,7 @@ import numpy as np
 from ...core.wrinkle_field import WrinkleField
 from ..objects import runtimes, units
 from . import glsl, gpu_arrays
-from .gpu_arrays import Pass, Target, read, upload
+from .gpu_arrays import Pass, Target, upload
 
 _NEVER = 1e30  # an offset that no link has: as if it had never been relaxed
 
@@ -163,22 +163,6 @@ class GpuField:
         waves = (self._dissolved if self._dissolves else self._waves[0]).textures[0]
         return {"positions": self._positions, "normals": self._normals, "waves": waves,
                 "phases": self.phases, "profile": self.profile, "u_slopes": u_slopes, "v_slopes": v_slopes}
-
-    def read_phase(self) -> np.ndarray:
-        """(w,) radians. For tests and measurements: waits for the GPU."""
-        return read(self.phases, self.vertex_count)[:, 0]
-
-    def read_waves(self) -> tuple[np.ndarray, np.ndarray]:
-        """(w, 4) wave vector and h; (w, 4) k, fullness, r. As read_phase()."""
-        return self._waves[0].read(0), self._waves[0].read(1)
-
-    def read_drawn(self) -> np.ndarray:
-        """(w, 4) wave vector and h as they are drawn. As read_phase()."""
-        return read(self.arrays()["waves"], self.vertex_count)
-
-    def read_uv_slopes(self) -> tuple[np.ndarray, np.ndarray]:
-        """(fans, 4) du/dx' and dv/dx'. As read_phase()."""
-        return self._fans.read(0), self._fans.read(1)
 
 
 # ---------------------------------------------------------------- what is drawn
