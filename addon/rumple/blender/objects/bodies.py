@@ -267,12 +267,16 @@ class _Connections(NamedTuple):
         return self.counts == other.counts and np.array_equal(self.corners, other.corners)
 
 
+_SOME = 1_000
+
+
 class _Triangulated(NamedTuple):
     """The triangles of a body."""
 
     connections: _Connections
     outwards: np.ndarray  # at rest
-    mirrored: np.ndarray | None  # the same, turned; None where it has no inside
+    some: np.ndarray  # of these, about _SOME, from all over: what mirrors a body turns them all
+    mirrored: np.ndarray | None  # all, turned; None where it has no inside
 
     @classmethod
     def of(cls, rest: bpy.types.Mesh, connections: _Connections) -> "_Triangulated":
@@ -281,7 +285,15 @@ class _Triangulated(NamedTuple):
         rest.loop_triangles.foreach_get("vertices", found)
         faced = side(compat.positions(rest), found.reshape(-1, 3))
         one, other = found.reshape(-1, 3), np.ascontiguousarray(found.reshape(-1, 3)[:, ::-1])
-        return cls(connections, other if faced < 0 else one, None if faced == 0 else one if faced < 0 else other)
+        outwards, inwards = (other, one) if faced < 0 else (one, other)
+        some = np.ascontiguousarray(outwards[::max(len(outwards) // _SOME, 1)])
+        return cls(connections, outwards, some, inwards if faced else None)
+
+    def facing_outwards(self, positions: np.ndarray) -> np.ndarray:
+        """In a pose. A look at some of them is mostly enough: all take 2 ms of 28,000."""
+        if self.mirrored is None or side(positions, self.some) > 0 or side(positions, self.outwards) >= 0:
+            return self.outwards
+        return self.mirrored
 
 
 class _Joined(NamedTuple):
@@ -338,6 +350,4 @@ def _triangles(body: bpy.types.Object, mesh: bpy.types.Mesh, positions: np.ndarr
         meshes = (body.data, incoming_mesh.of(body)) if body.type == "MESH" else ()
         rest = next((known for known in meshes if _Connections.of(known).same_as(now)), mesh)
         kept = _triangulated[key] = _Triangulated.of(rest, now)
-    if kept.mirrored is not None and side(positions, kept.outwards) < 0:
-        return kept.mirrored
-    return kept.outwards
+    return kept.facing_outwards(positions)
