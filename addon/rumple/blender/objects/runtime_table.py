@@ -43,7 +43,10 @@ class RuntimeTable(Generic[AnyEntry]):
 
     def of(self, obj: bpy.types.Object) -> AnyEntry:
         """The entry of an object, made where there is none."""
-        return self._entries.setdefault(compat.session_key(obj), self._new())
+        key = compat.session_key(obj)
+        if key not in self._entries:
+            self._entries[key] = self._new()
+        return self._entries[key]
 
     def known(self, obj: bpy.types.Object) -> AnyEntry | None:
         """The entry of an object, or None."""
