@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Garments that become cloth, on scenes of ../shared/data and on the demo: s1_cloth.jpg, s2_cloth.jpg,
-one_mesh.jpg, solid_parts.jpg, layers.jpg, fabrics.jpg, density.jpg, demo.jpg, dress.jpg and cape.jpg beside this file.
+"""Garments that become cloth, on scenes of ../shared/data and on the demo: s1_cloth.jpg, s2_cloth.jpg, one_mesh.jpg,
+rigid_parts.jpg, solid_parts.jpg, layers.jpg, fabrics.jpg, density.jpg, demo.jpg, dress.jpg and cape.jpg beside this
+file.
 
     scripts/build
     RUMPLE_NATIVE=build/release/python blender -b --factory-startup --python-exit-code 1 \
-        --python docs/pictures/make_cloth.py [-- s1|s2|one_mesh|solid_parts|layers|fabrics|density|demo|dress|cape ...]
+        --python docs/pictures/make_cloth.py [-- NAME ...]      # of PICTURES, at the end
 """
 from __future__ import annotations
 
@@ -173,26 +174,36 @@ def one_mesh(folder: Path) -> tuple[list[Tile], int]:
 
 def solid_parts(folder: Path) -> tuple[list[Tile], int]:
     """A helmet and two pouches in the mesh of the demo's shirt, from near."""
+    cloth, solid = (from_near((0.2, 0.8, 0.45, 1.0), 160, solids, rigid, 18, folder) for rigid in (False, True))
+    return [cloth[0], (cloth[1][0] + "as cloth", cloth[1][1]), (solid[1][0] + "solid parts", solid[1][1])], 1
+
+
+def rigid_parts(folder: Path) -> tuple[list[Tile], int]:
+    """Buttons in the mesh of the demo's shirt, from near."""
+    cloth, rigid = (from_near((0.34, 0.58, 0.51, 0.76), 420, buttons, rigid, 18, folder)[1] for rigid in (False, True))
+    return [(cloth[0] + "as cloth", cloth[1]), (rigid[0] + "rigid", rigid[1])], 1
+
+
+def from_near(border: tuple[float, float, float, float], percent: int, parts: Callable[[], list[bmesh.types.BMesh]],
+              rigid: bool, frame: int, folder: Path) -> list[Tile]:
+    """The demo's shirt with parts in its mesh, in a frame, bare and wrinkled: a part of the picture."""
     import demo_scene
-    tiles: list[list[Tile]] = []
-    for label, rigid in (("as cloth", False), ("solid parts", True)):
-        demo_scene.build_demo_scene()
-        render = bpy.context.scene.render
-        render.use_border = render.use_crop_to_border = True
-        render.border_min_x, render.border_max_x, render.border_min_y, render.border_max_y = 0.2, 0.8, 0.45, 1.0
-        render.resolution_percentage = 160
-        shirt = bpy.data.objects["Shirt"]
-        add_solids(shirt)
-        shirt.rumple.mesh.rigid_parts = rigid
-        (folder / label).mkdir()
-        shown = before_and_after(demo_scene.add_wrinkles("MESH"), (18,), folder / label)[0]
-        tiles.append([(name.replace("after", label), path) for name, path in shown])
-    cloth, solid = tiles
-    return [*cloth, solid[1]], 1
+    demo_scene.build_demo_scene()
+    render = bpy.context.scene.render
+    render.use_border = render.use_crop_to_border = True
+    render.border_min_x, render.border_max_x, render.border_min_y, render.border_max_y = border
+    shirt = bpy.data.objects["Shirt"]
+    join(shirt, parts())
+    shirt.rumple.mesh.rigid_parts = rigid
+    place = folder / str(rigid)
+    place.mkdir()
+    garments = demo_scene.add_wrinkles("MESH")
+    shown = before_and_after(garments, (frame,), place, percent)[0]
+    return [(name.replace("after", ""), path) for name, path in shown]
 
 
-def add_solids(shirt: bpy.types.Object) -> None:
-    """Two pouches on the demo's shirt, and a helmet, joined to it."""
+def solids() -> list[bmesh.types.BMesh]:
+    """Two pouches on the demo's shirt, and a helmet."""
     parts = []
     for place, size, is_pouch in (((0.09, -0.145, 1.15), (0.1, 0.06, 0.12), True),
                                   ((-0.09, -0.145, 1.15), (0.1, 0.06, 0.12), True),
@@ -206,10 +217,34 @@ def add_solids(shirt: bpy.types.Object) -> None:
             bmesh.ops.create_uvsphere(mesh, u_segments=32, v_segments=20, radius=0.5)
             bmesh.ops.delete(mesh, geom=[v for v in mesh.verts if v.co.z < -0.15], context="VERTS")
         bmesh.ops.transform(mesh, matrix=Matrix.LocRotScale(Vector(place), None, Vector(size)), verts=mesh.verts)
+        parts.append(mesh)
+    return parts
+
+
+def buttons() -> list[bmesh.types.BMesh]:
+    """Down the middle of the demo's shirt."""
+    import demo_body
+    import demo_shirt
+    places = np.array([(0.0, -0.17, height) for height in np.linspace(1.36, 1.06, 6)])
+    places = demo_body.project_to_surface(places, demo_shirt.shirt_distance, steps=8)
+    parts = []
+    for place, out in zip(places, demo_body.distance_gradient(places, demo_shirt.shirt_distance)):
+        mesh = bmesh.new()
+        bmesh.ops.create_cone(mesh, cap_ends=True, segments=16, radius1=0.011, radius2=0.011, depth=0.005)
+        turn = Vector(out).to_track_quat("Z", "Y")
+        bmesh.ops.transform(mesh, matrix=Matrix.LocRotScale(Vector(place + 0.003 * out), turn, None), verts=mesh.verts)
+        parts.append(mesh)
+    return parts
+
+
+def join(shirt: bpy.types.Object, meshes: list[bmesh.types.BMesh]) -> None:
+    """Parts of the demo's shirt, skinned as it is."""
+    parts = []
+    for mesh in meshes:
         part = bpy.data.objects.new("Part", bpy.data.meshes.new("Part"))
         mesh.to_mesh(part.data)
         part.data.materials.append(bpy.data.materials["Shirt trim"])
-        part.data.polygons.foreach_set("use_smooth", [True] * len(part.data.polygons))
+        part.data.polygons.foreach_set("use_smooth", [len(face.vertices) <= 4 for face in part.data.polygons])
         bpy.context.scene.collection.objects.link(part)
         demo_rig.skin(part, np.array([vertex.co for vertex in part.data.vertices]), shirt.parent)
         parts.append(part)
@@ -274,10 +309,11 @@ def cape(folder: Path) -> tuple[list[Tile], int]:
     return before_and_after(garments, (1, 24), folder)
 
 
-def before_and_after(garments: list[bpy.types.Object], frames: tuple[int, ...], folder: Path
-                     ) -> tuple[list[Tile], int]:
+def before_and_after(garments: list[bpy.types.Object], frames: tuple[int, ...], folder: Path,
+                     percent: int = 100) -> tuple[list[Tile], int]:
     """In the studio of the demo, played from the start."""
     studio(bpy.context.scene)
+    bpy.context.scene.render.resolution_percentage = percent
     tiles: list[Tile] = []
     for frame in range(1, frames[-1] + 1):
         bpy.context.scene.frame_set(frame)
@@ -294,6 +330,7 @@ def before_and_after(garments: list[bpy.types.Object], frames: tuple[int, ...], 
 PICTURES: dict[str, tuple[str, Callable[[Path], tuple[list[Tile], int]]]] = {
     "s1": ("s1_cloth.jpg", lambda folder: rows(S1, folder)),
     "one_mesh": ("one_mesh.jpg", one_mesh),
+    "rigid_parts": ("rigid_parts.jpg", rigid_parts),
     "solid_parts": ("solid_parts.jpg", solid_parts),
     "s2": ("s2_cloth.jpg", lambda folder: rows(S2, folder)),
     "layers": ("layers.jpg", layers),
