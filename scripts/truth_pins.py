@@ -125,6 +125,12 @@ def choose(borders: list[Border], wish: str | None) -> None:
                     border.strength = float(strength)
 
 
+def closed(rest: np.ndarray, triangles: np.ndarray, borders: list[Border]) -> np.ndarray:
+    """(n,) whether a vertex is of a part of the mesh that has no border."""
+    on_borders = np.concatenate([border.vertices for border in borders])
+    return ~np.isfinite(along_cloth(rest, triangles, on_borders, np.inf))
+
+
 @dataclass
 class Hold:
     """Vertex weights, 0 to 1."""
@@ -134,7 +140,7 @@ class Hold:
 
 
 def hold(rest: np.ndarray, triangles: np.ndarray, borders: list[Border]) -> Hold:
-    """Each border's strength, smoothly to nothing; the hems."""
+    """Each border's strength, smoothly to nothing; the hems. Parts without a border, as a buckle, are held wholly."""
     pins, hems = np.zeros(len(rest), np.float32), np.zeros(len(rest), np.float32)
     for border in borders:
         falloff = FALLOFF.get(border.kind, USUAL_FALLOFF)
@@ -142,4 +148,6 @@ def hold(rest: np.ndarray, triangles: np.ndarray, borders: list[Border]) -> Hold
         hems[away <= HEM] = 1.0
         far = np.minimum(away / falloff, 1.0)
         pins = np.maximum(pins, border.strength * (1.0 - far * far * (3.0 - 2.0 * far)))
+    if borders:
+        pins[closed(rest, triangles, borders)] = 1.0
     return Hold(pins.astype(np.float32), hems)

@@ -62,6 +62,17 @@ class Pins(unittest.TestCase):
         self.assertAlmostEqual(float(weights[rest[:, 2] > 1.499].min()), pins.STRENGTHS["collar"], places=5)
         self.assertEqual(float(weights[rest[:, 2] < 1.5 - pins.FALLOFF["collar"]].max()), 0.0)
 
+    def test_what_has_no_border_is_held_wholly(self) -> None:
+        """A belt or a buckle in the mesh would fall off the trousers."""
+        trunk = tube((0, 0, 0.9), (0, 0, 1.5), 0.17)
+        block = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]) * 0.02 + (0.0, -0.2, 1.2)
+        rest, triangles = together(trunk, (block, np.array([[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])))
+        borders = pins.describe(rest, triangles, rest)
+        self.assertEqual(len(borders), 2)
+        weights = pins.hold(rest, triangles, borders).pins
+        np.testing.assert_array_equal(weights[-4:], 1.0)
+        np.testing.assert_array_equal(weights[:-4], pins.hold(*trunk, borders).pins)
+
     def test_pin_by_wish(self) -> None:
         rest, triangles = tube((0, 0, 0.9), (0, 0, 1.5), 0.17)
         borders = pins.describe(rest, triangles, rest)
