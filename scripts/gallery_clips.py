@@ -88,8 +88,6 @@ CLIPS = {
                  distance=0.75, view=(0.22, -1.0, 0.05), raised=0.025, size=(280, 260)),
     "skirt": Clip("skirt", ("Skirt",), (1, 60), (Column("As it was animated"), HANG, SWING), distance=3.2,
                   view=FRONT, looks_at=("Skirt",), size=(320, 400)),
-    "dance": Clip("S3_skirt_sim", ("skirt",), (20, 110), (
-        Column("Simulated coarse"), Column("Wrinkle Mesh on it, one click", "MESH")), distance=2.3),
     "systems": Clip("", ("Shirt",), (1, 72), (
         CLOTH, Column("Wrinkle Field", "FIELD"), Column("Wrinkle Paths", "PATHS")), distance=2.6,
         view=FRONT, size=(320, 400)),
