@@ -74,7 +74,8 @@ def render(path: Path) -> None:
 
 def save_small(picture: Image.Image, path: Path) -> None:
     small = picture.convert("RGB").resize((SIZE, SIZE), Image.LANCZOS)
-    small.quantize(COLOURS).save(path, optimize=True)
+    # Median cut, the usual one, loses the hue of the skin.
+    small.quantize(COLOURS, Image.Quantize.MAXCOVERAGE, kmeans=1).save(path, optimize=True)
 
 
 def main() -> None:
