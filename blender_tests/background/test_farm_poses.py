@@ -239,7 +239,7 @@ class Refused(SetCase):
         farm_scene.break_garment(NAME)
         farm_scene.save(self.blend)
         self.assertEqual(self.make("--count", "2", "--resume"), 1)
-        self.assertIn("is off in the viewport: nothing is solved", self.err)
+        self.assertIn("is off in the viewport, so nothing is solved: switch it on", self.err)
         self.assertEqual(self.read_all(self.set), before)
 
     def test_a_full_disk_keeps_whole_blocks_only(self) -> None:

@@ -6,11 +6,14 @@ import contextlib
 import io
 import unittest
 from typing import Callable
+from unittest import mock
 
 import bpy
 from rumple.blender import compat, scheduler
 from rumple.blender.frame import clip_status
-from rumple.blender.objects import modifier, stack_notes
+from rumple.blender.objects import modifier, runtimes, stack_notes
+from rumple.core import engine
+from rumple.core.systems import SYSTEMS
 from support import sleeve
 
 
@@ -132,6 +135,23 @@ class Words(unittest.TestCase):
         for change, words in expected:
             with self.subTest(change.__name__):
                 self.assertRegex(self.said(change), words)
+
+    def test_too_little_memory_is_said_with_what_to_do(self) -> None:
+        """It was called unexpected, with the place in our sources."""
+        for method in SYSTEMS:
+            obj = sleeve.scene(wrinkles=False)
+            settings = getattr(obj.rumple, method.lower())
+            settings.density, settings.level = "LEVEL", 1
+            bpy.ops.object.rumple_add(method=method)
+            sleeve.at(2)
+            shown = sleeve.shown(obj)
+            with mock.patch.object(engine.Wrinkles, "solve_frame", side_effect=MemoryError("not enough")):
+                sleeve.at(3)
+                self.assertEqual(obj.rumple.message,
+                                 "Sleeve: there is not enough memory: choose longer folds, or lower Memory Limit")
+                self.assertEqual(len(sleeve.shown(obj)), len(shown))
+            sleeve.at(4)
+            self.assertEqual((obj.rumple.message, runtimes.of(obj).inputs.frame), ("", 4.0))
 
     def test_maps_without_an_armature_are_refused_in_a_sentence(self) -> None:
         obj = sleeve.scene(wrinkles=False)

@@ -150,6 +150,33 @@ class ScaledByABone(unittest.TestCase):
         np.testing.assert_allclose(base.positions, runtimes.of(obj).inputs.positions, atol=1e-5)
 
 
+class Slots(unittest.TestCase):
+
+    @unittest.skipUnless("action_slot" in bpy.types.AnimData.bl_rna.properties, "actions have no slots in this Blender")
+    def test_keys_of_another_slot_do_not_count(self) -> None:
+        """An action may animate several objects: the scale that it keys for the rig is not that of the garment."""
+        obj, rig = sleeve.scene(), bpy.data.objects["Arm"]
+        action = rig.animation_data.action
+        for frame, size in ((1, 1.0), (sleeve.LAST, 3.0)):
+            rig.scale = (size,) * 3
+            rig.keyframe_insert("scale", frame=frame)
+        self.assertIn("scale", compat.animated_paths(rig))
+        self.assertIsNotNone(compat.find_curve(rig.animation_data, "scale", 2))
+        about = obj.animation_data_create()
+        about.action = action
+        about.action_slot = None
+        self.assertEqual(compat.animated_paths(obj), set())
+        about.action_slot = slot = action.slots.new("OBJECT", "Sleeve")
+        self.assertEqual((compat.animated_paths(obj), list(compat.keyed_curves(about))), (set(), []))
+        bag = action.layers[0].strips[0].channelbag(slot, ensure=True)
+        bag.fcurves.new("hide_render").keyframe_points.insert(1, 0.0)
+        self.assertEqual(compat.animated_paths(obj), {"hide_render"})
+        self.assertIsNone(compat.find_curve(about, "scale", 2))
+        sleeve.at(sleeve.LAST)
+        self.assertEqual((tuple(obj.scale), tuple(rig.scale)), ((1.0,) * 3, (3.0,) * 3))
+        self.assertEqual(units.metres_per_unit(obj, bpy.context.scene), 1.0)
+
+
 class Applied(unittest.TestCase):
     """Blender moves no vector of an attribute when scale and rotation are applied."""
 

@@ -75,7 +75,7 @@ MESSAGES = tuple((re.compile(pattern), anchor) for pattern, anchor in (
     (r"nothing to bake|has no frame|is before the first|was never saved|clip is not deleted|is kept, |Bake cancelled",
      "bake"),
     (r"GPU Preview", "gpu-preview"),
-    (r"stored frame", "solver-and-stored-frames"),
+    (r"stored frame|not enough memory", "solver-and-stored-frames"),
     (r"force field of this type|Independent Frames on, cloth", "swing"),
     (r"^Layers need", "cloth"),
     (r"of a guide|a guide is", "guides"),
@@ -85,8 +85,8 @@ MESSAGES = tuple((re.compile(pattern), anchor) for pattern, anchor in (
     (r"to rest at|no rest shape is captured", "rest-shape"),
     (r"to paint on|: apply it to paint|mesh was edited|is not a vector|are baked: free|switch the modifier on"
      r"|nothing is solved yet", "rest-wrinkles"),
-    (r"open border|an image|no image|the pixels of|the UV map has|to paint$|is locked: unlock|is painted |^A mask of",
-     "paint"),
+    (r"open border|an image|no image|the pixels of|the UV map has|to paint: choose|is locked: unlock|is painted "
+     r"|^A mask of", "paint"),
     (r"pose .* every bone|to be the root|do not sum to 1|has no bone|has no shape key|the same value in every pose"
      r"|shape keys are absolute|cannot be set here: a driver|without .*: update it|was stretched or mirrored"
      r"|no armature deforms|is compared"

@@ -104,7 +104,8 @@ class PoseRig:
         _refuse_unknown(self.name, "maps", self.maps, MAPS)
         for pose in self.poses:
             if len(pose.name.encode()) > LONGEST_NAME:
-                raise UserError(f"{self.name}: the name of pose {pose.name} is longer than {LONGEST_NAME} bytes")
+                raise UserError(f"{self.name}: the name of pose {pose.name} is longer than {LONGEST_NAME} bytes: "
+                                "shorten it")
             _refuse_outside(self.name, f"strength of pose {pose.name}", pose.strength, 0.0, 1.0)
         _refuse_outside(self.name, "gain", self.gain, *GAINS)
 
@@ -146,9 +147,9 @@ def _points(place: np.ndarray) -> dict[str, list[float]]:
 def _refuse_repeated(owner: str, what: str, names: list[str]) -> None:
     for number, name in enumerate(names):
         if not name:
-            raise UserError(f"{owner}: {what} {number + 1} has no name")
+            raise UserError(f"{owner}: {what} {number + 1} has no name: give it one")
         if name in names[:number]:
-            raise UserError(f"{owner}: two {what}s are called {name}")
+            raise UserError(f"{owner}: two {what}s are called {name}: rename one")
 
 
 def _refuse_unknown(owner: str, what: str, value: str, known: tuple[str, ...]) -> None:

@@ -157,7 +157,7 @@ class ClipBake:
         obj, about = self.obj, self.obj.rumple
         fine = runtimes.of(obj).evaluator
         if fine is None:
-            raise BakeError(runtimes.message(obj) or f"{obj.name}: there is nothing to bake")
+            raise BakeError(runtimes.message(obj) or f"{obj.name}: there is nothing to bake: add wrinkles first")
         manifest = Manifest(
             object=obj.name, vertices=fine.vertex_count,
             points=clip_file.point_count(fine.vertex_count, len(fine.corner_vertex), fine.ATTRIBUTES),

@@ -57,12 +57,12 @@ def canvas_of(obj: bpy.types.Object) -> Canvas:
         raise UserError(f"{obj.name}: its wrinkles are baked: free the bake first")
     runtime = runtimes.known(obj)
     if runtime is None or not isinstance(runtime.evaluator, WrinkleField):
-        raise UserError(runtimes.message(obj) or f"{obj.name}: nothing is solved yet")
+        raise UserError(runtimes.message(obj) or f"{obj.name}: nothing is solved yet: go to another frame first")
     if not incoming_mesh.is_own(obj):
         raise UserError(f"{obj.name}: a modifier above the wrinkles changes the number of vertices: apply it to "
                         "paint")
     if runtime.evaluator.coarse_count != len(obj.data.vertices):
-        raise UserError(f"{obj.name}: its mesh was edited: one moment")
+        raise UserError(f"{obj.name}: its mesh was edited: wait a moment")
     if _last is None or _last.easel.field is not runtime.evaluator:
         _last = Canvas(runtime.evaluator)
     return _last

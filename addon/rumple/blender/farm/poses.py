@@ -123,7 +123,8 @@ class Solver:
 def _refuse(obj: bpy.types.Object, scene: bpy.types.Scene) -> None:
     """What is not solved, or depends on more than the pose."""
     if not modifier.find(obj).show_viewport:
-        raise BakeError(f"{obj.name}: its modifier {modifier.find(obj).name} is off in the viewport: nothing is solved")
+        raise BakeError(f"{obj.name}: its modifier {modifier.find(obj).name} is off in the viewport, so nothing is "
+                        "solved: switch it on")
     over = [other.name for other in (*bodies.of(obj), modifier.depends_on_wrinkled(obj))
             if other is not None and modifier.find(other) is not None]
     if over:
@@ -131,7 +132,7 @@ def _refuse(obj: bpy.types.Object, scene: bpy.types.Scene) -> None:
                         "that one is. Take its body instead")
     if not clip_status.is_independent(obj, scene):
         raise BakeError(f"{obj.name}: a simulation above the wrinkles needs the frames before, and poses have "
-                        "none")
+                        "none: switch it off, or apply it")
 
 
 # ---------------------------------------------------------------- all of them

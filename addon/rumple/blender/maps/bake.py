@@ -45,7 +45,7 @@ class MapBake:
         self.done = 0
         self.names: list[str] = []
         if not obj.data.uv_layers:
-            raise UserError(f"{obj.name}: it has no UV map to bake to")
+            raise UserError(f"{obj.name}: it has no UV map to bake to: unwrap it in Edit Mode first")
         if "CYCLES" not in _engines():
             raise UserError("Cycles bakes the maps: switch on its add-on in the preferences")
         self._former = [] if self.armature is None else [(bone.name, bone.matrix_basis.copy())
@@ -105,7 +105,8 @@ class MapBake:
             low, high = (self._frozen(copy) for copy in (coarse, wrinkled))
             high.data.polygons.foreach_set("use_smooth", np.ones(len(high.data.polygons), bool))  # no facets of its own
             if "rumple_offset" not in high.data.attributes:
-                raise UserError(runtimes.message(wrinkled) or f"{self.obj.name}: its wrinkles do not show in this pose")
+                raise UserError(runtimes.message(wrinkled) or f"{self.obj.name}: its wrinkles do not show in this "
+                                "pose: change the pose, or choose another source")
             offsets = compat.read_attribute(high.data.attributes["rumple_offset"])
             yield low, high, float(np.percentile(np.sqrt((offsets * offsets).sum(1)), HIGH_FOLDS))
         finally:
@@ -140,7 +141,8 @@ class MapBake:
         with self.context.temp_override(object=copy, active_object=copy, selected_objects=[copy]):
             result = bpy.ops.object.rumple_add(method=method, shade=False)
         if result != {"FINISHED"}:
-            raise UserError(runtimes.message(copy) or f"{self.obj.name}: the wrinkles cannot be made")
+            raise UserError(runtimes.message(copy) or f"{self.obj.name}: the wrinkles cannot be made: add them "
+                            "by hand, and see what they say")
         settings = properties.group_of(copy)
         settings.stateless = True  # one pose, without a past
         if method == "FIELD":

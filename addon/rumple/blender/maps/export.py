@@ -75,7 +75,8 @@ def export(obj: bpy.types.Object, path: Path, images: bool) -> list[Path]:
     for pose, stored in zip(rig.poses, obj.rumple_maps.poses):
         if images and stored.image is not None:
             if not tuple(stored.image.size)[0]:
-                raise UserError(f"{obj.name}: the wrinkle map {stored.image.name} of pose {pose.name} cannot be found")
+                raise UserError(f"{obj.name}: the wrinkle map {stored.image.name} of pose {pose.name} cannot be found: "
+                                "choose its file, or bake it again")
             written.append(path.with_name(pose.map))
             _write_png(stored.image, written[-1], stored.image.is_float)
     text = rig.to_json()

@@ -199,7 +199,7 @@ class RUMPLE_OT_maps_keys(OnMaps, bpy.types.Operator):
         def choose() -> None:
             names = maps_keys.moving(obj)
             if not names:
-                raise UserError(f"{obj.name}: it has no relative shape keys that move it")
+                raise UserError(f"{obj.name}: it has no relative shape keys that move it: add some first")
             maps_keys.choose(obj.rumple_maps.keys, names)
             maps_changes.rig_changed(obj)
         return self.guarded(choose)

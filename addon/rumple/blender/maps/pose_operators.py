@@ -43,7 +43,7 @@ class RUMPLE_OT_pose_add(OnMaps, bpy.types.Operator):
     def _add(self, context: bpy.types.Context, obj: bpy.types.Object) -> None:
         settings = obj.rumple_maps
         if len(settings.poses) == MOST_POSES:
-            raise UserError(f"{obj.name}: there are {MOST_POSES} reference poses already")
+            raise UserError(f"{obj.name}: there are {MOST_POSES} reference poses already: delete one first")
         maps_rig.refuse_without_pose(obj)
         if not settings.bones and not settings.keys:
             maps_rig.choose_by_default(obj)

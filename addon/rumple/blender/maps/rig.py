@@ -22,7 +22,8 @@ def armature_of(obj: bpy.types.Object) -> bpy.types.Object:
     """The armature that skins an object. Raises UserError."""
     armature = obj.find_armature()
     if armature is None:
-        raise UserError(f"{obj.name}: no armature deforms it any more: its bones cannot be compared")
+        raise UserError(f"{obj.name}: no armature deforms it any more, so its bones cannot be compared: give it "
+                        "its Armature modifier back")
     return armature
 
 
@@ -32,8 +33,8 @@ def refuse_without_pose(obj: bpy.types.Object) -> None:
         if maps_keys.are_absolute(obj):
             raise UserError(f"{obj.name}: its shape keys are absolute: switch on Relative, since no map follows "
                             "absolute ones")
-        raise UserError(f"{obj.name}: no armature deforms it and it has no shape keys: Wrinkle Maps follow bones or "
-                        "shape keys")
+        raise UserError(f"{obj.name}: no armature deforms it and it has no shape keys: add one or the other, Wrinkle "
+                        "Maps follow them")
 
 
 # ---------------------------------------------------------------- which bones
@@ -171,7 +172,7 @@ def present(obj: bpy.types.Object, rig: PoseRig) -> tuple[np.ndarray, np.ndarray
     values = maps_keys.values(obj)
     gone = [key.name for key in rig.keys if key.name not in values]
     if gone:
-        raise UserError(f"{obj.name}: it has no shape key {_listed(gone)}: was it renamed or deleted?")
+        raise UserError(f"{obj.name}: it has no shape key {_listed(gone)}: give it its name back, or choose keys anew")
     keys = np.array([values[key.name] for key in rig.keys], np.float32)
     if not rig.bones:
         return np.zeros((0, 6), np.float32), keys
@@ -179,7 +180,8 @@ def present(obj: bpy.types.Object, rig: PoseRig) -> tuple[np.ndarray, np.ndarray
     here = _present(armature, rig.root)
     for name in (*([rig.root] if rig.root else ()), *(bone.name for bone in rig.bones)):
         if name not in here.index:
-            raise UserError(f"{obj.name}: {armature.name} has no bone {name}: was it renamed or deleted?")
+            raise UserError(f"{obj.name}: {armature.name} has no bone {name}: give it its name back, or choose bones "
+                            "anew")
     return here.relative(obj, rig.root, [bone.name for bone in rig.bones], None), keys
 
 
@@ -220,7 +222,8 @@ def _tracked_bones(obj: bpy.types.Object, optional: bool, notes: list[str]) -> l
     bones = [TrackedBone(bone.name, bone.tracked, bone.group) for bone in settings.bones if bone.name in known]
     lost = [bone.name for bone in settings.bones if bone.name not in known]
     if not bones and not optional:
-        raise UserError(f"{obj.name}: {armature.name} has none of the bones that are compared: {_listed(lost)}")
+        raise UserError(f"{obj.name}: {armature.name} has none of the bones that are compared ({_listed(lost)}): "
+                        "choose others")
     if lost:
         notes.append(f"{obj.name}: {armature.name} has no bone {_listed(lost)}: renamed or deleted? It is left out")
     idle = [bone.name for bone in bones if bone.name not in obj.vertex_groups]

@@ -147,7 +147,7 @@ def insert(material: bpy.types.Material, group: bpy.types.NodeTree) -> None:
     if not compat.is_editable(material):
         raise UserError(f"material {material.name} is linked from another file: make it local first")
     if material.node_tree is None:
-        raise UserError(f"material {material.name} has no nodes")
+        raise UserError(f"material {material.name} has no nodes: switch on Use Nodes")
     present = [node for node in material.node_tree.nodes if _is_our_node(node)]
     if present:
         if any(node.node_tree != group for node in present):
@@ -225,11 +225,11 @@ def _normal_maps(material: bpy.types.Material) -> tuple[list[bpy.types.Node], li
                 bare.append(target)
         elif source.type != "NORMAL_MAP" or source.space != "TANGENT":
             raise UserError(f"material {material.name}: the normal of {shader.name} comes from {source.name}, which is "
-                            "no Normal Map in tangent space: Rumple cannot blend wrinkles into it")
+                            "no Normal Map in tangent space: connect one in between")
         elif source not in maps:
             maps.append(source)
     if not maps and not bare:
-        raise UserError(f"material {material.name} has no shader that takes a normal")
+        raise UserError(f"material {material.name} has no shader that takes a normal: connect a Principled BSDF")
     return maps, bare
 
 

@@ -129,7 +129,7 @@ def rest_positions(obj: bpy.types.Object, rest_shape: str, rest_key: str) -> np.
     if rest_shape == "SHAPE_KEY":
         blocks = obj.data.shape_keys.key_blocks if obj.data.shape_keys else {}
         if rest_key not in blocks:
-            raise engine.UserError(f"{obj.name}: it has no shape key named \"{rest_key}\" to rest at")
+            raise engine.UserError(f"{obj.name}: it has no shape key named \"{rest_key}\" to rest at: choose another")
         if incoming_mesh.is_own(obj):
             return _key_positions(blocks[rest_key])
     return basis_positions(mesh)  # what modifiers made of a shape key has that shape

@@ -85,6 +85,8 @@ def _errors(obj: bpy.types.Object, runtime: Messages, tell: Callable[[Messages, 
         yield
     except (UserError, NativeMissing) as error:
         tell(runtime, str(error))
+    except MemoryError:
+        tell(runtime, f"{obj.name}: there is not enough memory: choose longer folds, or lower Memory Limit")
     except Exception as error:  # a message on the panel, never a traceback
         tell(runtime, unexpected(obj, error))
 

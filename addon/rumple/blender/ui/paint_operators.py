@@ -44,7 +44,7 @@ class _OnMap(ui_base.OnWrinkled):
         """The chosen one, where it may be written. Raises UserError."""
         painted = painted_maps.find(obj, self.group)
         if painted is None:
-            raise UserError(f"{obj.name}: its wrinkles have no {self.group} to paint")
+            raise UserError(f"{obj.name}: its wrinkles have no {self.group} to paint: choose another map")
         if painted.exists and obj.vertex_groups[painted.name].lock_weight:
             raise UserError(f"{obj.name}: the vertex group {painted.name} is locked: unlock it in the object data")
         return painted
@@ -79,7 +79,8 @@ class OBJECT_OT_rumple_paint(_OnMap, bpy.types.Operator):
         obj = context.object
         painted = painted_maps.find(obj, self.group)
         if painted is None:
-            return self.refused(UserError(f"{obj.name}: its wrinkles have no {self.group} to paint"))
+            return self.refused(UserError(f"{obj.name}: its wrinkles have no {self.group} to paint: choose another "
+                                          "map"))
         active = obj.vertex_groups.active
         if obj.mode == "WEIGHT_PAINT" and active is not None and active.name == painted.name:
             bpy.ops.object.mode_set(mode="OBJECT")
@@ -131,7 +132,7 @@ class _WholeMap(_OnMap):
         try:
             painted = self.map_of(obj)
             if self.needs_map and not painted.exists:
-                raise UserError(f"{obj.name}: nothing is painted in {painted.name} yet")
+                raise UserError(f"{obj.name}: nothing is painted in {painted.name} yet: paint first")
             self.change(context, obj, painted)
         except UserError as error:
             return self.refused(error)
@@ -202,7 +203,7 @@ def _from_border(obj: bpy.types.Object, most: float) -> np.ndarray:
     border, same = paint_maps.open_edges(edges, np.bincount(of_corners, minlength=len(edges)), positions,
                                          properties.group_of(obj).weld)
     if not len(border):
-        raise UserError(f"{obj.name}: it has no open border to start from")
+        raise UserError(f"{obj.name}: it has no open border to start from: paint it by hand")
     return paint_maps.border_distance(positions, same[edges], same[edges[border]], most)[same]
 
 
