@@ -143,6 +143,27 @@ class Moved(Case):
         self.move()  # later
         self.assertEqual(self.worn_vertices(6), len(self.body.data.vertices))
 
+    def test_a_collection_that_an_artist_took_over_is_left_alone(self) -> None:
+        """What was lost from it was looked for, and asked for, at every update."""
+        self.worn_vertices(3)
+        bpy.context.scene.collection.children.link(self.obj.rumple.body_collection)
+        self.move()
+        self.worn_vertices(4)
+        runtimes.of(self.obj).stale = False
+        bpy.context.view_layer.update()
+        self.assertEqual(made_collections.lost_members(self.obj.rumple.body_collection), [])
+        self.assertEqual(self.members(self.obj), [])
+
+    def test_another_object_of_its_name_is_not_taken_for_it(self) -> None:
+        self.worn_vertices(3)
+        for collection in self.inner.users_collection:
+            collection.objects.unlink(self.inner)
+        self.inner.name = "Renamed"
+        other = bpy.data.objects.new("Trousers", self.body.data)
+        bpy.context.scene.collection.objects.link(other)
+        self.worn_vertices(4)
+        self.assertNotIn("Trousers", self.members(self.obj))
+
     def test_deleted_it_is_gone(self) -> None:
         self.worn_vertices(3)
         bpy.data.objects.remove(self.inner)

@@ -110,17 +110,23 @@ class Slow(WindowCase):
         self.assertEqual((self.obj.rumple.method, self.obj.rumple.message, self.shown()), ("NONE", "", False))
         with self.area():
             self.assertEqual(bpy.ops.object.rumple_add("INVOKE_DEFAULT", method="MESH"), {"FINISHED"})  # and again
+        yield from self.until(lambda: runtimes.of(self.obj).evaluator is not None)
         self.assertGreater(self.count(self.obj), len(self.obj.data.vertices))
 
     def test_undo_takes_the_first_click_back(self) -> Iterator[float]:
         yield from self.click()
         with self.area():
             bpy.ops.ed.undo()
-        yield 0.3
-        self.assertIsNone(modifier.find(self.obj))
-        self.go.set()
         yield from self.until(lambda: not self.shown())
+        # The thread is told to stop, and nobody waits for it.
         self.assertEqual((modifier.find(self.obj), scheduler.awaited(), self.shown()), (None, [], False))
+        with self.area():
+            bpy.ops.ed.redo()
+        yield from self.until(self.shown)  # made anew, and the window goes on
+        self.assertIsNot(self.builds[-1], threading.main_thread())
+        self.go.set()
+        yield from self.until(lambda: runtimes.of(self.obj).result is not None and not self.shown())
+        self.assertEqual((runtimes.of(self.obj).result is not None, self.obj.rumple.message), (True, ""))
 
     def test_a_script_gets_its_wrinkles_at_once(self) -> Iterator[float]:
         yield from self.make(wrinkled=False)
@@ -131,13 +137,26 @@ class Slow(WindowCase):
         self.assertEqual(scheduler.awaited(), [])
 
     def test_a_first_click_that_cannot_be_made_is_said(self) -> Iterator[float]:
+        for error, said in ((UserError("Sleeve: no"), "^Sleeve: no$"), (MemoryError(), "^Sleeve: there is not enough")):
+            yield from self.click()
+            self._error = error
+            self.go.set()
+            yield from self.until(lambda: self.obj.rumple.message)
+            self.assertRegex(self.obj.rumple.message, said)
+            for frame in (3, 4):  # and is not tried again and again
+                with self.area():
+                    sleeve.at(frame)
+                yield 0.4
+            self.assertEqual(len(self.builds), 1)
+            self._error = None
+
+    def test_apply_waits_for_the_first_click(self) -> Iterator[float]:
         yield from self.click()
-        self._error = UserError("Sleeve: no")
-        self.go.set()
-        yield from self.until(lambda: self.obj.rumple.message)
-        self.assertEqual(self.obj.rumple.message, "Sleeve: no")
-        yield 0.5  # and is not tried again and again
-        self.assertEqual(len(self.builds), 1)
+        coarse = len(self.obj.data.vertices)
+        threading.Timer(0.3, self.go.set).start()
+        with self.area():
+            self.assertEqual(bpy.ops.object.rumple_apply(), {"FINISHED"})
+        self.assertGreater(len(self.obj.data.vertices), coarse)
 
     def test_esc_leaves_folds_and_settings_as_they_were(self) -> Iterator[float]:
         yield from self.make()
@@ -174,8 +193,10 @@ class Slow(WindowCase):
         yield from self.make()
         self.obj.rumple.mesh.level = 2
         yield from self.until(self.shown)
+        former = runtimes.of(self.obj).building
         self.obj.rumple.mesh.level = 0
         yield 0.5
+        self.assertNotIn(former, scheduler.awaited())
         self.go.set()
         yield from self.until(lambda: self.count(self.obj) < self.before)
         self.assertLess(self.count(self.obj), self.before)

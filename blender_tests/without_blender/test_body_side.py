@@ -5,7 +5,7 @@ from __future__ import annotations
 import unittest
 
 import numpy as np
-from rumple.core.body import facing_outwards, side
+from rumple.core.body import facing_outwards, is_nearly_closed, side
 
 AROUND = 24
 
@@ -50,6 +50,14 @@ class Side(unittest.TestCase):
     def test_sheets_have_none(self) -> None:
         self.check([(0.01, 0.0), (1.0, 0.0)], 0)
         self.check(arc(0.01, 0.25), 0)  # a dish
+
+    def test_what_bends_through_has_another_side_though_nothing_mirrors_it(self) -> None:
+        """So of what is open the sides in a pose say nothing: a hood that wind blows through kept its cloth inside."""
+        hood, blown = lathe(arc(0.01, 1.2)), lathe([(radius, -height) for radius, height in arc(0.01, 1.2)])
+        self.assertEqual((side(*hood), side(*blown)), (1, -1))
+        self.assertFalse(is_nearly_closed(*hood))
+        self.assertTrue(is_nearly_closed(*lathe(arc(0.01, 3.13))))
+        self.assertTrue(is_nearly_closed(*lathe(arc(0.3, 3.13))))  # a hole at the neck
 
     def test_what_is_not_finite_or_has_no_extent_has_none_and_no_warning(self) -> None:
         positions, triangles = lathe(arc(0.01, 3.13))

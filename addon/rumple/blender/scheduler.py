@@ -146,9 +146,14 @@ def request(delay: float = 0.0, until_released: bool = True) -> None:
     timers.register(_on_timer, first_interval=delay)
 
 
+def job_runs() -> bool:
+    """Whether a render or an export evaluates the file: nothing in it may come, go or be tagged."""
+    return _render_running or time.monotonic() < _job_seen + JOB
+
+
 def _on_timer() -> float | None:
     with LOCK:  # a render job that starts now waits for what is begun here
-        if _render_running or time.monotonic() < _job_seen + JOB:
+        if job_runs():
             return 0.5
         if _may_be_held and _is_held():
             return POLL
@@ -276,12 +281,15 @@ def _restart(seconds: float) -> None:
 
 
 def _look() -> float:
-    if _render_running:
-        return LOOK  # a tag reaches the depsgraph of the render as well, in the midst of its evaluation
-    while _due:
-        name = _due.pop()
-        if name in bpy.data.objects:
-            bpy.data.objects[name].update_tag()
+    with LOCK:
+        if job_runs():
+            return LOOK  # a tag reaches the depsgraph of the job as well, in the midst of its evaluation
+        while _due:
+            name = _due.pop()
+            if name in bpy.data.objects:
+                bpy.data.objects[name].update_tag()
+        if _wanted and not bpy.app.timers.is_registered(_on_timer):
+            request()  # a job's thread could start no timer
     return LOOK
 
 

@@ -74,7 +74,19 @@ def facing_outwards(positions: np.ndarray, triangles: np.ndarray) -> np.ndarray:
 
 
 def side(positions: np.ndarray, triangles: np.ndarray) -> int:
-    """1: the triangles (t, 3) of a surface (n, 3) face outwards, -1: they face inwards, 0: it has no inside.
+    """1: the triangles (t, 3) of a surface (n, 3) face outwards, -1: they face inwards, 0: it has no inside."""
+    volume, area, opening = _inside(positions, triangles)
+    least = (CLOSED_INSIDE if opening < NEARLY_CLOSED else INSIDE) * area ** 1.5
+    return (volume > least) - (volume < -least)
+
+
+def is_nearly_closed(positions: np.ndarray, triangles: np.ndarray) -> bool:
+    """Whether it has an inside that no bending turns outside: a hood that is blown through is not mirrored."""
+    return _inside(positions, triangles)[2] < NEARLY_CLOSED
+
+
+def _inside(positions: np.ndarray, triangles: np.ndarray) -> tuple[float, float, float]:
+    """Volume, area, and the opening's share of the area.
 
     Holes, as where skin was deleted under clothes, do not count: the volume is measured from the surface's middle.
     2 ms for 28,000 triangles, where np.cross takes 12.
@@ -87,9 +99,8 @@ def side(positions: np.ndarray, triangles: np.ndarray) -> int:
         areas = np.sqrt(normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2])
         twice = float(areas.sum(dtype=np.float64))
         if not twice > 0.0:
-            return 0
+            return 0.0, 0.0, 0.0
         middle = [float((areas * a[k]).sum(dtype=np.float64)) / twice for k in range(3)]
         volume = sum(float(((a[k] - np.float32(middle[k])) * normal[k]).sum(dtype=np.float64)) for k in range(3)) / 6.0
         opening = math.hypot(*(float(along.sum(dtype=np.float64)) for along in normal)) / twice
-        least = (CLOSED_INSIDE if opening < NEARLY_CLOSED else INSIDE) * (0.5 * twice) ** 1.5
-        return (volume > least) - (volume < -least)
+        return volume, 0.5 * twice, opening

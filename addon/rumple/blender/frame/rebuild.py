@@ -36,7 +36,7 @@ def sync_all() -> None:
         duplicates.split_worn_over([obj for obj, _ in objects])
         bodies.connect_all()
     for obj, nodes_mod in objects:
-        if runtimes.of(obj).stale and not (_shows_something(obj) and is_awaited(obj, nodes_mod)):
+        if runtimes.of(obj).stale and not is_awaited(obj, nodes_mod):
             prepare(obj, nodes_mod)
     with messages.console_errors("what was removed"):
         _tidy_removed({obj.name_full for obj, _ in objects})
@@ -44,13 +44,9 @@ def sync_all() -> None:
         path_curves.sync([obj for obj, _ in modifier.wrinkled_objects()])
 
 
-def _shows_something(obj: bpy.types.Object) -> bool:
-    """While a thread makes its fine mesh: the former one, or after the first click the mesh as it was."""
-    return runtimes.of(obj).evaluator is not None or runtimes.of(obj).building is not None
-
-
 def is_awaited(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier) -> bool:
-    """Whether a thread makes its fine mesh now, and the window goes on. False where nobody may wait."""
+    """Whether a thread makes its fine mesh now, and the window goes on: with the former one, or the coarse mesh. False
+    where nobody may wait."""
     if not scheduler.may_wait() or modifier.is_baked(nodes_mod) or mesh_reader.is_busy(obj):
         return False
     try:

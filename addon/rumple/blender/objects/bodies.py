@@ -14,7 +14,7 @@ import bpy
 import numpy as np
 
 from ...core import engine, transforms
-from ...core.body import Body, digest_of_triangles, side
+from ...core.body import Body, digest_of_triangles, is_nearly_closed, side
 from .. import compat
 from ..nodes import path_curves_tree
 from . import (incoming_mesh, made_collections, mesh_reader, messages, modifier, output_mesh, posed_coarse, runtimes,
@@ -276,18 +276,19 @@ class _Triangulated(NamedTuple):
     connections: _Connections
     outwards: np.ndarray  # at rest
     some: np.ndarray  # of these, about _SOME, from all over: what mirrors a body turns them all
-    mirrored: np.ndarray | None  # all, turned; None where it has no inside
+    mirrored: np.ndarray | None  # all, turned; None where nothing tells a mirrored one from a bent one
 
     @classmethod
     def of(cls, rest: bpy.types.Mesh, connections: _Connections) -> "_Triangulated":
         rest.calc_loop_triangles()
         found = np.empty(len(rest.loop_triangles) * 3, np.int32)
         rest.loop_triangles.foreach_get("vertices", found)
-        faced = side(compat.positions(rest), found.reshape(-1, 3))
+        positions = compat.positions(rest)
+        faced, may_turn = side(positions, found.reshape(-1, 3)), is_nearly_closed(positions, found.reshape(-1, 3))
         one, other = found.reshape(-1, 3), np.ascontiguousarray(found.reshape(-1, 3)[:, ::-1])
         outwards, inwards = (other, one) if faced < 0 else (one, other)
         some = np.ascontiguousarray(outwards[::max(len(outwards) // _SOME, 1)])
-        return cls(connections, outwards, some, inwards if faced else None)
+        return cls(connections, outwards, some, inwards if faced and may_turn else None)
 
     def facing_outwards(self, positions: np.ndarray) -> np.ndarray:
         """In a pose. A look at some of them is mostly enough: all take 2 ms of 28,000."""

@@ -26,6 +26,7 @@ def settings_changed(obj: bpy.types.Object, affects: str, structural: bool) -> N
     if affects == "BODY":
         bodies.connect_all()  # of all: what was refused for this object's sake may be right now
     if structural or modifier.is_baked(modifier.find(obj)):
+        runtime.stop_building()
         runtime.stale = True
         scheduler.request(scheduler.DELAY)
     obj.update_tag()

@@ -88,11 +88,11 @@ def ensure(obj: bpy.types.Object, runtime: Runtime, meanwhile: Callable[[], obje
         else:
             fine = _built(obj, now, wanted, meanwhile)
         runtime.evaluator = _checked(obj, fine)
-    except engine.UserError as error:
+    except Exception as error:  # whatever it is: every update would try it again
         runtime.refused = _refusable(obj, wanted)
-        messages.set_build_error(runtime, str(error))
+        messages.set_build_error(runtime, messages.of_error(obj, error))
         raise
-    runtime.shape, runtime.refused, runtime.paint = wanted, None, None
+    runtime.shape, runtime.refused, runtime.paint, runtime.just_added = wanted, None, None, False
     runtime.built_with = _properties(obj, now.settings)
     runtime.forget_inputs()  # solved by the former one: who draws by them must wait
     runtime.notes = list(runtime.evaluator.warnings)

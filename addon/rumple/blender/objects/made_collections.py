@@ -7,7 +7,7 @@ a member out of one by hand leaves it where else it was: so the two can be told 
 """
 from __future__ import annotations
 
-from typing import Iterable
+from typing import Iterable, NamedTuple
 
 import bpy
 
@@ -36,8 +36,14 @@ def is_ours(collection: bpy.types.Collection) -> bool:
 
 
 # ---------------------------------------------------------------- members that were moved
-# By the name of a collection: its members, and the other collections that each was in when that was seen last.
-_seen: dict[str, dict[str, set[str]]] = {}
+class _Member(NamedTuple):
+    """As it was seen last."""
+
+    key: int  # compat.session_key(): another object may have its name
+    places: set[str]  # names of the other collections that it was in
+
+
+_seen: dict[int, dict[str, _Member]] = {}  # by the session key of a collection: its members, by name
 
 
 def forget_members() -> None:
@@ -47,27 +53,40 @@ def forget_members() -> None:
 
 def lost_members(collection: bpy.types.Collection | None) -> list[bpy.types.Object]:
     """What is no longer in it, nor in any of the other collections that it was in, but in another one."""
-    known, found = {} if collection is None else _seen.get(collection.name, {}), []
+    if collection is None or not _is_kept_up(collection):
+        return []
+    known, found = _seen.get(compat.session_key(collection), {}), []
     for name in known.keys() - {member.name for member in collection.objects} if known else ():
         obj = bpy.data.objects.get(name)
-        places = set() if obj is None else _places(obj)
-        if places & known[name]:
+        if obj is None or compat.session_key(obj) != known[name].key:
+            continue
+        places = _places(obj)
+        if places & known[name].places:
             del known[name]  # by hand
         elif places:
             found.append(obj)
     return found
 
 
+def _is_kept_up(collection: bpy.types.Collection) -> bool:
+    """Not one that is linked, or that an artist took over: what that had does not count any more."""
+    if compat.is_editable(collection) and is_ours(collection):
+        return True
+    _seen.pop(compat.session_key(collection), None)
+    return False
+
+
 def take_back(collection: bpy.types.Collection | None) -> None:
     """Let it have its lost members again. Not in handlers."""
-    if collection is None or not compat.is_editable(collection) or not is_ours(collection):
+    if collection is None or not _is_kept_up(collection):
         return
     for obj in lost_members(collection):
         collection.objects.link(obj)
-    on_the_way: dict[str, set[str]] = {
-        name: set() for name in _seen.get(collection.name, {})
-        if name in bpy.data.objects and not _places(bpy.data.objects[name])}  # whichever it comes to
-    _seen[collection.name] = on_the_way | {member.name: _places(member) for member in collection.objects}
+    key = compat.session_key(collection)
+    on_the_way = {name: member._replace(places=set()) for name, member in _seen.get(key, {}).items()
+                  if name in bpy.data.objects and not _places(bpy.data.objects[name])}  # whichever it comes to
+    _seen[key] = on_the_way | {member.name: _Member(compat.session_key(member), _places(member))
+                               for member in collection.objects}
 
 
 def _places(obj: bpy.types.Object) -> set[str]:

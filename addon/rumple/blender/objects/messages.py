@@ -83,12 +83,17 @@ def build_errors(obj: bpy.types.Object, runtime: Messages) -> Iterator[None]:
 def _errors(obj: bpy.types.Object, runtime: Messages, tell: Callable[[Messages, str], None]) -> Iterator[None]:
     try:
         yield
-    except (UserError, NativeMissing) as error:
-        tell(runtime, str(error))
-    except MemoryError:
-        tell(runtime, f"{obj.name}: there is not enough memory: choose longer folds, or lower Memory Limit")
     except Exception as error:  # a message on the panel, never a traceback
-        tell(runtime, unexpected(obj, error))
+        tell(runtime, of_error(obj, error))
+
+
+def of_error(obj: bpy.types.Object, error: Exception) -> str:
+    """What is said of it."""
+    if isinstance(error, (UserError, NativeMissing)):
+        return str(error)
+    if isinstance(error, MemoryError):
+        return f"{obj.name}: there is not enough memory: choose longer folds, or lower Memory Limit"
+    return unexpected(obj, error)
 
 
 @contextmanager

@@ -25,22 +25,22 @@ _SHOWN = ("show_viewport", "show_render")
 def positions(obj: bpy.types.Object, count: int, depsgraph: bpy.types.Depsgraph) -> np.ndarray | None:
     """Incoming coarse positions of an object in this depsgraph's frame, (count, 3); None where the tree did not run."""
     nodes_mod, evaluated = modifier.find(obj), obj.evaluated_get(depsgraph)
-    removers = set() if nodes_mod is None else _removers(obj, nodes_mod)
+    which = "show_render" if depsgraph.mode == "RENDER" else "show_viewport"
+    removers = set() if nodes_mod is None else _removers(obj, nodes_mod, which)
     found = None
     if removers <= {"NODES"}:  # most node groups keep the points, and their numbers
         found = mesh_reader.posed_positions(evaluated, count)
-    shown = removers and (nodes_mod.show_render if depsgraph.mode == "RENDER" else nodes_mod.show_viewport)
-    if found is None and shown:
+    if found is None and removers and getattr(nodes_mod, which):
         with _without(evaluated, list(obj.modifiers).index(nodes_mod), depsgraph) as mesh:
             found = compat.positions(mesh) if len(mesh.vertices) == count else None
     return found
 
 
-def _removers(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier) -> set[str]:
-    """Types of what is on behind the wrinkles and may remove points."""
+def _removers(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier, which: str) -> set[str]:
+    """Types of what is on behind the wrinkles, by that of its switches, and may remove points."""
     modifiers = list(obj.modifiers)
     return {m.type for m in modifiers[modifiers.index(nodes_mod) + 1:]
-            if m.type not in _KEEP_POINTS and (m.show_viewport or m.show_render)}
+            if m.type not in _KEEP_POINTS and getattr(m, which)}
 
 
 @contextmanager
@@ -56,6 +56,6 @@ def _without(evaluated: bpy.types.Object, index: int, depsgraph: bpy.types.Depsg
             evaluated.modifiers.foreach_set(name, values & (np.arange(len(values)) < index))
         yield evaluated.to_mesh(preserve_all_data_layers=True, depsgraph=depsgraph)
     finally:
-        evaluated.to_mesh_clear()
         for name, values in former.items():
             evaluated.modifiers.foreach_set(name, values)
+        evaluated.to_mesh_clear()

@@ -30,6 +30,9 @@ class RuntimeBase(Messages):
         self.stale = True
         self.invalidate_output()
 
+    def end(self) -> None:
+        """Nobody asks for it any more."""
+
 
 AnyEntry = TypeVar("AnyEntry", bound=RuntimeBase)
 
@@ -44,9 +47,8 @@ class RuntimeTable(Generic[AnyEntry]):
     def of(self, obj: bpy.types.Object) -> AnyEntry:
         """The entry of an object, made where there is none."""
         key = compat.session_key(obj)
-        if key not in self._entries:
-            self._entries[key] = self._new()
-        return self._entries[key]
+        entry = self._entries.get(key)  # a render's thread may ask as well
+        return self._entries.setdefault(key, self._new()) if entry is None else entry
 
     def known(self, obj: bpy.types.Object) -> AnyEntry | None:
         """The entry of an object, or None."""
@@ -58,16 +60,20 @@ class RuntimeTable(Generic[AnyEntry]):
         return "" if runtime is None else runtime.refusal or runtime.message
 
     def forget(self, obj: bpy.types.Object) -> None:
-        self._entries.pop(compat.session_key(obj), None)
+        entry = self._entries.pop(compat.session_key(obj), None)
+        if entry is not None:
+            entry.end()
 
     def forget_all(self) -> None:
+        for entry in self._entries.values():
+            entry.end()
         self._entries.clear()
 
     def forget_all_but(self, objects: Iterable[bpy.types.Object]) -> None:
         """Deleted objects leave nothing behind; their address may be taken over by others."""
         keep = {compat.session_key(obj) for obj in objects}
         for key in [key for key in self._entries if key not in keep]:
-            del self._entries[key]
+            self._entries.pop(key).end()
 
     def invalidate_outputs(self) -> None:
         """After a render, which wrote its last frame."""

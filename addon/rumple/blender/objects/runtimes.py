@@ -10,6 +10,7 @@ import numpy as np
 from ...core import engine
 from ...core.body import Body
 from ...core.surroundings import Surroundings
+from .. import scheduler
 from .building import Building
 from .runtime_table import RuntimeBase, RuntimeTable
 
@@ -52,6 +53,7 @@ class Runtime(RuntimeBase):
     building: Building | None = None  # what takes the evaluator's place when it is ready
     scale: str = ""  # of an object unit in metres, when the fine mesh was last looked at
     plain_scales: tuple = ()  # what that was made of when it was last compared
+    just_added: bool = False  # by a click, and nothing of it is there yet
     built_with: dict[str, Any] = field(default_factory=dict)  # the properties that `evaluator` was made with
     paint: dict[str, np.ndarray] | None = None  # None: read again
     painted_steps: tuple[tuple[int, str, str], np.ndarray] | None = None  # of what: weight_paint.py
@@ -88,7 +90,18 @@ class Runtime(RuntimeBase):
 
     def invalidate(self) -> None:
         self.paint = None
+        self.stop_building()
         super().invalidate()
+
+    def stop_building(self) -> None:
+        """What a thread makes for it is not wanted any more."""
+        building, self.building = self.building, None
+        if building is not None:
+            building.drop()
+            scheduler.drop(building)
+
+    def end(self) -> None:
+        self.stop_building()
 
 
 _TABLE = RuntimeTable(Runtime)

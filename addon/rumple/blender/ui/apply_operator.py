@@ -22,6 +22,7 @@ class OBJECT_OT_rumple_apply(ui_base.OnWrinkled, bpy.types.Operator):
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         obj = context.object
+        scheduler.sync_all()  # a thread may still make its folds
         with _as_geometry(context, obj) as refused:
             mesh = None if refused else _wrinkled_mesh(context, obj)
             if mesh is None:

@@ -131,6 +131,7 @@ class OBJECT_OT_rumple_add(bpy.types.Operator):
             self._show_waves(context, obj)
         if self._is_left_to_a_thread(obj, nodes_mod):
             bodies.connect_all()
+            self._report_notes(obj, notes, [])
             self.report({"INFO"}, said(f"{said(properties.system_of(obj).label)} added: its folds are being made"))
             return {"FINISHED"}
         note = self._make(obj, nodes_mod)
@@ -179,11 +180,13 @@ class OBJECT_OT_rumple_add(bpy.types.Operator):
     def _is_left_to_a_thread(self, obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier) -> bool:
         """Whether the window goes on without folds, and gets them when they are ready. What may have to be switched off
         for them is tried here and now."""
-        if not self._may_wait or subdivision_behind.quality(obj):
+        may_wait, self._may_wait = self._may_wait, False  # Adjust Last Operation executes it once more
+        if not may_wait or subdivision_behind.quality(obj):
             return False
         with scheduler.waiting():
             is_awaited = rebuild.is_awaited(obj, nodes_mod)
         if is_awaited:
+            runtimes.of(obj).just_added = True
             scheduler.request()
         return is_awaited
 
@@ -242,14 +245,17 @@ class OBJECT_OT_rumple_add(bpy.types.Operator):
             if found.garments:
                 about.body_collection = made_collections.make(obj, found.garments)
 
-    def _report(self, obj: bpy.types.Object, notes: list[str], warnings: list[str]) -> None:
+    def _report_notes(self, obj: bpy.types.Object, notes: list[str], warnings: list[str]) -> None:
         for note in warnings + stack_notes.of(obj) + stack_notes.of_children(obj) + (
                 _unshaded(obj) if self.method == "FIELD" and self.shade else []):
             self.report({"WARNING"}, said(note))
+        for note in notes:
+            self.report({"INFO"}, said(note))
+
+    def _report(self, obj: bpy.types.Object, notes: list[str], warnings: list[str]) -> None:
         fine = runtimes.of(obj).evaluator
         origin = fine.base.origin
-        for note in notes + ([] if origin is None else origin.notes(obj.name)):
-            self.report({"INFO"}, said(note))
+        self._report_notes(obj, notes + ([] if origin is None else origin.notes(obj.name)), warnings)
         worn_over = ", ".join(body.name for body in bodies.of(obj))
         label = said(properties.system_of(obj).label)
         made = said(f"{label} added, {fine.vertex_count:,} vertices, over {worn_over}" if worn_over else

@@ -5,7 +5,7 @@ from __future__ import annotations
 import bpy
 
 from .. import scheduler
-from ..objects import evaluator, runtimes
+from ..objects import evaluator, modifier, runtimes
 from ..translation import said
 from .operators import remove
 
@@ -15,10 +15,10 @@ _shown_in = -1  # the file in which it is shown
 
 
 class WM_OT_rumple_rebuild_wait(bpy.types.Operator):
-    """Say in the status bar that folds are being made. Esc leaves folds and settings as they were"""
+    """Say in the status bar that folds are being made. Esc leaves all as it was"""
 
     bl_idname = "wm.rumple_rebuild_wait"
-    bl_label = "Leave Folds As They Were"
+    bl_label = "Stop Making Folds"
     bl_options = {"INTERNAL", "UNDO"}
 
     def invoke(self, context: bpy.types.Context, _event: bpy.types.Event) -> set[str]:
@@ -32,7 +32,7 @@ class WM_OT_rumple_rebuild_wait(bpy.types.Operator):
 
     def modal(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         works = scheduler.awaited()
-        if event.type == "ESC" and event.value == "PRESS" and works:
+        if event.type == "ESC" and event.value == "PRESS" and works and not scheduler.job_runs():
             self._end(context)
             for work in works:
                 self._cancel(work)
@@ -52,12 +52,13 @@ class WM_OT_rumple_rebuild_wait(bpy.types.Operator):
         obj = bpy.data.objects.get(work.name)
         runtime = None if obj is None else runtimes.known(obj)
         scheduler.drop(work)
-        if runtime is None or runtime.building is not work:
+        if runtime is None or runtime.building is not work or modifier.find(obj) is None:
             return
-        note = evaluator.cancel(obj, runtime)
-        if runtime.evaluator is None:  # the first click
+        if runtime.just_added:
             remove(obj)
             note = f"{obj.name}: Esc stopped it, so no wrinkles were added"
+        else:
+            note = evaluator.cancel(obj, runtime)
         self.report({"INFO"}, said(note))
 
     def _say(self, context: bpy.types.Context) -> None:
@@ -68,8 +69,7 @@ class WM_OT_rumple_rebuild_wait(bpy.types.Operator):
         context.window_manager.progress_update(int(seconds))
         if context.workspace is not None:
             names = ", ".join(work.name for work in works)
-            context.workspace.status_text_set(said(f"Making the folds of {names}: {seconds:.0f} s. Esc leaves them as "
-                                                   "they were"))
+            context.workspace.status_text_set(said(f"Making the folds of {names}: {seconds:.0f} s. Esc stops it"))
 
     def _end(self, context: bpy.types.Context) -> None:
         global _shown_in
