@@ -61,7 +61,7 @@ class Bake:
         self.note(node=os.environ.get("SLURMD_NODENAME", ""))
         self.sleep(self.shot["opening"])
         if self.one["broken"]:
-            print(f"Rumple: {self.name} FAILED: nothing is solved: switch its modifier on", file=sys.stderr)
+            print(f"Rumple: {self.name} FAILED: nothing is solved: see whether its modifier is on", file=sys.stderr)
             return 1
         done = resumed = self.kept()
         chance = random.Random(f"{self.shot['seed']} {self.name} {start}")

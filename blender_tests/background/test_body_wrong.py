@@ -7,6 +7,7 @@ import io
 import math
 from unittest import mock
 
+import bmesh
 import bpy
 import numpy as np
 from rumple.blender import compat, scheduler
@@ -199,6 +200,26 @@ class InsideOut(Worn):
         bone.scale.x = -1.0  # and so does a bone
         self.check_place(1)
         self.assertGreater(outward(solved_body(self.obj)), 1e-4)
+
+    def test_what_is_open_keeps_its_side_when_it_is_bent_through(self) -> None:
+        """A hood that wind blows through looks like its mirrored self, and nothing has mirrored it."""
+        bpy.ops.mesh.primitive_uv_sphere_add(segments=16, ring_count=8)
+        hood = bpy.context.object
+        bowl = bmesh.new()
+        bowl.from_mesh(hood.data)
+        bmesh.ops.delete(bowl, geom=[vertex for vertex in bowl.verts if vertex.co.z < 0.3], context="VERTS")
+        bowl.to_mesh(hood.data)
+        hood.shape_key_add(name="Basis")
+        blown = hood.shape_key_add(name="Blown Through")
+        for point in blown.data:
+            point.co.z = 0.6 - point.co.z
+        self.obj.rumple.body = hood
+        triangles = []
+        for value in (0.0, 1.0):
+            blown.value = value
+            depsgraph = bpy.context.evaluated_depsgraph_get()
+            triangles.append(bodies.read(self.obj, self.obj.evaluated_get(depsgraph), depsgraph).triangles)
+        np.testing.assert_array_equal(*triangles)
 
 
 class OlderTree(Worn):

@@ -46,7 +46,7 @@ class Bakes(Case):
         farm_scene.break_garment(farm_scene.INNER)
         farm_scene.save(self.blend)
         self.assertEqual(self.run_command("bake"), 1)
-        self.assertIn("Sleeve FAILED: nothing is solved at frame 1: switch its modifier on", self.err)
+        self.assertIn("Sleeve FAILED: nothing is solved at frame 1: see whether its modifier is on", self.err)
         self.assertIn("Coat FAILED: it rests on Sleeve, which was not baked", self.err)
         self.assertEqual(list(self.read_all()), [self.clip(farm_scene.FREE).name])
 

@@ -52,7 +52,7 @@ class Hidden(unittest.TestCase):
         self.assertEqual(self.frames(), [(float(frame), True) for frame in range(1, 10)])
 
     def test_a_bake_that_begins_hidden(self) -> None:
-        """It broke off: nothing is solved at frame 1: switch its modifier on"""
+        """It broke off: nothing is solved at frame 1: see whether its modifier is on"""
         sleeve.play(6, 10)
         live = sleeve.shown(self.obj)
         key(self.obj, {1: True, 6: False})

@@ -159,8 +159,9 @@ class Moved(Case):
         for collection in self.inner.users_collection:
             collection.objects.unlink(self.inner)
         self.inner.name = "Renamed"
-        other = bpy.data.objects.new("Trousers", self.body.data)
-        bpy.context.scene.collection.objects.link(other)
+        other, elsewhere = bpy.data.objects.new("Trousers", self.body.data), bpy.data.collections.new("Elsewhere")
+        elsewhere.objects.link(other)
+        bpy.context.scene.collection.children.link(elsewhere)
         self.worn_vertices(4)
         self.assertNotIn("Trousers", self.members(self.obj))
 

@@ -31,7 +31,7 @@ class Simulated(unittest.TestCase):
             rows = json.loads((Path(folder) / "jobs" / "report.json").read_text())["tasks"]
         self.assertEqual(len(rows), 100)
         why = {row["object"]: row["why"] for row in rows if row["why"]}
-        broken = {name for name, text in why.items() if text.endswith("switch its modifier on")}
+        broken = {name for name, text in why.items() if text.endswith("see whether its modifier is on")}
         self.assertGreater(len(broken), 1)
         for name, text in why.items():
             rests = {f"it rests on {one}, which was not baked" for one in broken}

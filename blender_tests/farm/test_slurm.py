@@ -89,7 +89,7 @@ class Farm(unittest.TestCase):
         self.assertEqual((report["baked"], report["failed"]), (GARMENTS * len(FRAMES) - 2, 2))
         failed = {(Path(row["file"]).stem, row["object"]): row["why"] for row in report["tasks"] if row["why"]}
         self.assertEqual(set(failed), {(BROKEN, "Sleeve"), (BROKEN, "Coat")})
-        self.assertIn("nothing is solved at frame 1: switch its modifier on", failed[BROKEN, "Sleeve"])
+        self.assertIn("nothing is solved at frame 1: see whether its modifier is on", failed[BROKEN, "Sleeve"])
         self.assertEqual(failed[BROKEN, "Coat"], "it rests on Sleeve, which was not baked")
 
     def hashes_alone(self) -> dict[str, str]:

@@ -12,6 +12,7 @@ from rumple.blender import scheduler
 from rumple.blender.objects import evaluator, modifier, runtimes
 from rumple.blender.ui import rebuild_progress
 from rumple.core.engine import UserError
+from rumple.core.systems import SYSTEMS
 from rumple.core.wrinkle_mesh import WrinkleMesh
 from support import sleeve
 from support.window_case import WindowCase
@@ -25,20 +26,24 @@ class Slow(WindowCase):
         obj = sleeve.scene(wrinkles=wrinkled)
         max(bpy.context.window_manager.windows[0].screen.areas, key=lambda a: a.width * a.height).type = "VIEW_3D"
         yield 0.5
-        self.go, self.builds, plain = threading.Event(), [], WrinkleMesh.build
+        self.go, self.builds = threading.Event(), []
+        self.slow(WrinkleMesh)
+        self.addCleanup(self.go.set)
+        self.before = self.count(obj) if wrinkled else 0
 
-        def build(*arguments: Any, **more: Any) -> WrinkleMesh:
+    def slow(self, system: Any) -> None:
+        plain = system.build
+
+        def build(*arguments: Any, **more: Any) -> Any:
             self.builds.append(threading.current_thread())
             self.go.wait(60.0)
             if self._error is not None:
                 raise self._error
             return plain(*arguments, **more)
 
-        patch = mock.patch.object(WrinkleMesh, "build", build)
+        patch = mock.patch.object(system, "build", build)
         patch.start()
         self.addCleanup(patch.stop)
-        self.addCleanup(self.go.set)
-        self.before = self.count(obj) if wrinkled else 0
 
     @property
     def obj(self) -> bpy.types.Object:
@@ -76,12 +81,15 @@ class Slow(WindowCase):
         np.testing.assert_allclose(sleeve.shown(self.obj), sleeve.picture(self.obj).positions, atol=1e-6)
         self.assertEqual((len(self.builds), self.obj.rumple.message), (1, ""))
 
-    def click(self) -> Iterator[float]:
+    def click(self, method: str = "MESH") -> Iterator[float]:
         """Adds wrinkles from the menu, whose fine mesh is not ready yet."""
         yield from self.make(wrinkled=False)
+        if method != "MESH":
+            self.slow(SYSTEMS[method].wrinkles)
         with self.area():
+            bpy.ops.view3d.view_selected()
             bpy.ops.ed.undo_push(message="bare")  # scripts leave no step
-            self.assertEqual(bpy.ops.object.rumple_add("INVOKE_DEFAULT", True, method="MESH"), {"FINISHED"})
+            self.assertEqual(bpy.ops.object.rumple_add("INVOKE_DEFAULT", True, method=method), {"FINISHED"})
         self.assertIsNone(modifier.output_object(modifier.find(self.obj)))
         yield from self.until(self.shown)
         self.assertTrue(self.shown())
@@ -99,6 +107,18 @@ class Slow(WindowCase):
         self.assertFalse(self.shown())
         np.testing.assert_allclose(sleeve.shown(self.obj), sleeve.picture(self.obj).positions, atol=1e-6)
         self.assertEqual((len(self.builds), self.obj.rumple.message), (1, ""))
+
+    def test_so_do_the_other_systems(self) -> Iterator[float]:
+        """The preview of a Field is on before there is a Field."""
+        for method in ("FIELD", "PATHS"):
+            yield from self.click(method)
+            with self.area():
+                sleeve.at(7)
+            yield 0.3
+            self.assertEqual(self.obj.rumple.message, "")
+            self.go.set()
+            yield from self.until(lambda: runtimes.of(self.obj).result is not None and not self.shown())
+            self.assertEqual((runtimes.of(self.obj).result is not None, self.obj.rumple.message), (True, ""), method)
 
     def test_esc_takes_the_first_click_back(self) -> Iterator[float]:
         yield from self.click()

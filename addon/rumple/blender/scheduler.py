@@ -281,9 +281,13 @@ def _restart(seconds: float) -> None:
 
 
 def _look() -> float:
+    # A tag reaches the depsgraph of a job as well, in the midst of its evaluation. The thread of a job holds the lock
+    # while it solves: without anything to do nobody waits for it.
+    if job_runs() or not (_due or _wanted):
+        return LOOK
     with LOCK:
         if job_runs():
-            return LOOK  # a tag reaches the depsgraph of the job as well, in the midst of its evaluation
+            return LOOK
         while _due:
             name = _due.pop()
             if name in bpy.data.objects:

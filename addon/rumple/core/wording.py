@@ -28,8 +28,8 @@ SENTENCES = [(re.compile(pattern), sentence) for pattern, sentence in (
     (r"the fine mesh would have about (\d+) vertices, more than (\d+).*",
      r"the fine mesh would have about \1 vertices, more than \2: choose fewer subdivisions, or raise Most Vertices"),
     (r"(?:next_)?positions: (vertex \d+) is (\S+) away from the origin.*",
-     r"\1 is \2 away from the origin in this frame, as where a simulation explodes: look at what "
-     r"moves it, the last good frame stays"),
+     r"\1 is \2 away from the origin in this frame, as where a simulation explodes (the last "
+     r"good frame stays): look at what moves it"),
     (r"rest_wrinkle: (vertex \d+) is not finite",
      r"the painted rest wrinkle of \1 is not a valid vector: press Clear in the panel Rest Wrinkles and paint it "
      r"again"),

@@ -109,7 +109,8 @@ class Playback:
             self.visit(frame, 0.0)
             if not self._is_skipped():
                 if runtime.analyzed is None or runtime.analyzed.frame != frame:
-                    raise BakeError(f"{self.obj.name}: nothing is seen at frame {frame}: switch its modifier on")
+                    raise BakeError(f"{self.obj.name}: nothing is seen at frame {frame}: "
+                                    "see whether its modifier is on")
                 clip[float(frame)] = runtime.analyzed.positions
             yield
         runtime.analyzing = False
@@ -146,7 +147,8 @@ class Playback:
                 or abs(runtime.inputs.frame - frame - subframe) > 1e-3):
             if not self.obj.evaluated_get(bpy.context.evaluated_depsgraph_get()).is_evaluated:
                 raise BakeError(f"{self.name}: nothing is solved at frame {frame + subframe:g}, it is hidden: show it")
-            raise BakeError(f"{self.obj.name}: nothing is solved at frame {frame + subframe:g}: switch its modifier on")
+            raise BakeError(f"{self.obj.name}: nothing is solved at frame {frame + subframe:g}: "
+                            "see whether its modifier is on")
         self._held = runtime.result, runtime.inputs.positions
         return self._held
 

@@ -52,6 +52,7 @@ def is_shown(nodes_mod: bpy.types.NodesModifier) -> bool:
 
 def hand_on_coarse(scene: bpy.types.Scene) -> None:
     """Before a frame: of the garments that moved in the last one. What stands still Blender does not even evaluate.
+
     Cost: about a microsecond for each modifier of the file and each node of its geometry node groups.
     """
     global _some_are_coarse

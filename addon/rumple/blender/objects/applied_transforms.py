@@ -19,7 +19,7 @@ from .. import compat
 from ..nodes.wrinkle_tree import REST_BASIS, REST_POSITION
 from . import incoming_mesh, mesh_reader, properties
 
-GOLDEN = 0.6180339887
+GOLDEN_RATIO = 0.6180339887
 
 
 def follow(obj: bpy.types.Object) -> None:
@@ -35,7 +35,7 @@ def _follow_up(obj: bpy.types.Object) -> None:
     places = mesh_reader.basis_positions(obj.data)
     if not len(places):
         return
-    spread = np.arange(properties.UP_PLACES) * GOLDEN % 1.0  # over the mesh, and of a grid not on one line
+    spread = np.arange(properties.UP_PLACES) * GOLDEN_RATIO % 1.0  # over the mesh, and of a grid not on one line
     some = places[(spread * len(places)).astype(np.int64)]
     now = np.append(some.ravel(), np.float32(len(places)))
     before = np.array(obj.rumple.up_places, np.float32)

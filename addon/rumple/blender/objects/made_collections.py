@@ -53,9 +53,7 @@ def forget_members() -> None:
 
 def lost_members(collection: bpy.types.Collection | None) -> list[bpy.types.Object]:
     """What is no longer in it, nor in any of the other collections that it was in, but in another one."""
-    if collection is None or not _is_kept_up(collection):
-        return []
-    known, found = _seen.get(compat.session_key(collection), {}), []
+    known, found = {} if collection is None else _seen.get(compat.session_key(collection), {}), []
     for name in known.keys() - {member.name for member in collection.objects} if known else ():
         obj = bpy.data.objects.get(name)
         if obj is None or compat.session_key(obj) != known[name].key:
@@ -68,17 +66,12 @@ def lost_members(collection: bpy.types.Collection | None) -> list[bpy.types.Obje
     return found
 
 
-def _is_kept_up(collection: bpy.types.Collection) -> bool:
-    """Not one that is linked, or that an artist took over: what that had does not count any more."""
-    if compat.is_editable(collection) and is_ours(collection):
-        return True
-    _seen.pop(compat.session_key(collection), None)
-    return False
-
-
 def take_back(collection: bpy.types.Collection | None) -> None:
     """Let it have its lost members again. Not in handlers."""
-    if collection is None or not _is_kept_up(collection):
+    if collection is None:
+        return
+    if not compat.is_editable(collection) or not is_ours(collection):
+        _seen.pop(compat.session_key(collection), None)  # an artist took it over: what it had does not count any more
         return
     for obj in lost_members(collection):
         collection.objects.link(obj)
