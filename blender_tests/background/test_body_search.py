@@ -9,6 +9,7 @@ from pathlib import Path
 import bmesh
 import bpy
 from mathutils import Euler, Matrix, Vector
+from rumple.blender import compat
 from rumple.blender.objects import body_search, runtimes
 from support import sleeve
 
@@ -53,6 +54,22 @@ class FirstClick(unittest.TestCase):
     def test_another_garment_is_better_than_nothing(self) -> None:
         sleeve.under(self.obj, "Shirt", 0.9)
         self.assertEqual(self.found(), "Shirt")
+
+    def test_clothes_with_a_thickness_are_worn_over_one_another(self) -> None:
+        # As much of the inner side of the trousers lay over the shirt as of the shirt over the trousers: they came
+        # through it.
+        sleeve.under(self.obj, "Human", 0.7)
+        trousers = sleeve.under(self.obj, "Trousers", 0.85)
+        trousers.data.transform(Matrix.Translation((0.8 * sleeve.LENGTH, 0.0, 0.0)))
+        for garment in (self.obj, trousers):
+            solidify = garment.modifiers.new("Thickness", "SOLIDIFY")
+            solidify.thickness, solidify.offset = 0.004, -1.0
+            compat.move_modifier(garment, len(garment.modifiers) - 1, 0)
+            sleeve.make_active(garment)
+            bpy.ops.object.modifier_apply(modifier="Thickness")
+        worn_over = body_search.find(self.obj, bpy.context.scene)
+        self.assertEqual((worn_over.body.name, sleeve.names(worn_over.garments)), ("Human", ["Trousers"]))
+        self.assertEqual(body_search.find(trousers, bpy.context.scene).garments, [])
 
     def test_what_is_no_cloth_is_worn_over_nothing(self) -> None:
         # A face would be put out of the teeth, by the thickness of a cloth.

@@ -175,22 +175,53 @@ if __name__ == "__main__":
 
 
 class Thick(unittest.TestCase):
-    """A garment whose thickness is modelled has no opening: it was no cloth, and nothing said so."""
+    """A garment whose thickness is modelled has no opening: it was no cloth. Its outer side is now."""
 
-    def test_it_is_said(self) -> None:
-        obj = sleeve.scene(wrinkles=False)
-        sleeve.under(obj, "Human")
-        obj.rumple.mesh.property_unset("base_cloth")
-        obj.rumple.mesh.density, obj.rumple.mesh.level = "LEVEL", 1
-        solidify = obj.modifiers.new("Thickness", "SOLIDIFY")
-        solidify.thickness, solidify.offset = 0.004, 1.0
-        compat.move_modifier(obj, len(obj.modifiers) - 1, 0)
-        sleeve.make_active(obj)
-        bpy.ops.object.modifier_apply(modifier="Thickness")
+    def setUp(self) -> None:
+        self.obj = sleeve.scene(wrinkles=False)
+        sleeve.under(self.obj, "Human")
+        for settings in (self.obj.rumple.mesh, self.obj.rumple.field):
+            settings.property_unset("base_cloth")
+
+    def thicken(self, apply: bool) -> None:
+        solidify = self.obj.modifiers.new("Thickness", "SOLIDIFY")
+        solidify.thickness, solidify.offset = 0.004, -1.0
+        compat.move_modifier(self.obj, len(self.obj.modifiers) - 1, 0)
+        sleeve.make_active(self.obj)
+        if apply:
+            bpy.ops.object.modifier_apply(modifier="Thickness")
+
+    def click(self, method: str) -> list[str]:
+        """What is said of it."""
+        sleeve.make_active(self.obj)
         with mock.patch.object(operators.OBJECT_OT_rumple_add, "_report") as report:
-            bpy.ops.object.rumple_add(method="MESH")
-        self.assertEqual(obj.rumple.mesh.base_cloth, "OFF")
-        self.assertRegex(report.call_args.args[1][0], "^Sleeve: it lies over Human but has fewer than two openings")
+            bpy.ops.object.rumple_add(method=method)
+        return report.call_args.args[1]
+
+    def test_it_hangs_by_its_outer_side_applied_or_not(self) -> None:
+        for apply in (False, True):
+            with self.subTest(apply=apply):
+                self.setUp()
+                self.thicken(apply)
+                self.assertEqual(self.click("MESH"), [])
+                self.assertEqual(self.obj.rumple.mesh.base_cloth, "HANG")
+                self.assertAlmostEqual(runtimes.of(self.obj).evaluator.outer.thickness, 0.004, delta=0.0005)
+                sleeve.play(last=4)
+                self.assertEqual(self.obj.rumple.message, "")
+                self.assertGreater(len(sleeve.shown(self.obj)), 4 * sleeve.AROUND * sleeve.ALONG)
+
+    def test_a_field_says_which_system_makes_it_cloth(self) -> None:
+        self.thicken(apply=True)
+        self.assertRegex(self.click("FIELD")[0], "^Sleeve: its thickness is modelled, so it is not made cloth")
+        self.assertEqual(self.obj.rumple.field.base_cloth, "OFF")
+
+    def test_a_glove_is_told_that_it_is_no_cloth(self) -> None:
+        mesh = self.obj.data
+        vertices, faces = [v.co[:] for v in mesh.vertices], [tuple(p.vertices) for p in mesh.polygons]
+        mesh.clear_geometry()
+        mesh.from_pydata(vertices, [], [*faces, tuple(range(len(vertices) - sleeve.AROUND, len(vertices)))])
+        self.assertRegex(self.click("MESH")[0], "^Sleeve: it lies over Human but has fewer than two openings")
+        self.assertEqual(self.obj.rumple.mesh.base_cloth, "OFF")
 
 
 class HangsFree(unittest.TestCase):

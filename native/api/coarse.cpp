@@ -2,14 +2,22 @@
 #include "api/coarse.h"
 
 #include "api/sound.h"
+#include "base/expect.h"
 
 using namespace rumple;
 using namespace rumple::api;
 
 rumple_status rumple_coarse_build(const rumple_surface* dense, float spacing, rumple_coarse** coarse) {
+    return rumple_coarse_build_of(dense, dense, spacing, coarse);
+}
+
+rumple_status rumple_coarse_build_of(const rumple_surface* dense, const rumple_surface* part, float spacing,
+                                     rumple_coarse** coarse) {
     return made(coarse, "coarse", [&] {
-        auto built = build_coarse(given(dense, "dense").surface, spacing);
-        return new rumple_coarse{std::move(built), dense->shared};
+        const Surface &whole = given(dense, "dense").surface, &from = given(part, "part").surface;
+        expect_count("part", size_t(from.display.vertex_count), size_t(whole.display.vertex_count),
+                     "vertices of the dense mesh");
+        return new rumple_coarse{build_coarse(from, spacing), dense->shared};
     });
 }
 

@@ -7,6 +7,7 @@
 #include "base/expect.h"
 #include "rumple.h"
 #include "surface/cloth/locomotion.h"
+#include "surface/cloth/outer_side.h"
 #include "surface/cloth/pins.h"
 #include "surface/mesh/heal.h"
 #include "surface/mesh/positions.h"
@@ -110,6 +111,18 @@ const char* rumple_surface_warning(const rumple_surface* surface, int32_t number
 
 rumple_status rumple_surface_count_openings(const rumple_surface* surface, int32_t* openings) {
     return guarded([&] { given(openings, "openings") = count_openings(given(surface, "surface").surface); });
+}
+
+rumple_status rumple_surface_outer_side(const rumple_surface* surface, uint8_t* outer, size_t outer_count,
+                                        float* thickness) {
+    return guarded([&] {
+        const Surface& s = given(surface, "surface").surface;
+        const auto out = output<uint8_t>(outer, outer_count, size_t(s.display.polygons()), "outer");
+        float& median = given(thickness, "thickness");
+        const OuterSide found = outer_side(s);
+        std::ranges::copy(found.polygons, out.begin());
+        median = found.thickness;
+    });
 }
 
 rumple_status rumple_surface_suggest_follow(const rumple_surface* surface, const float up[3], float* follow,

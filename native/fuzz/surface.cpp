@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Bases, coarse meshes, shown meshes and frames.
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <limits>
 
@@ -29,6 +30,8 @@ void keep_surface(World& world, rumple_surface* surface, std::vector<float> rest
     base->welded = view.welded_vertex_count;
     base->triangles = view.triangle_count;
     base->corners = corners;
+    // Of a coarse mesh no corners are known: it has triangles alone.
+    base->polygons = corners == 0 ? view.triangle_count : (corners - view.triangle_count) / 2;
     world.surfaces.add(surface, std::move(base), 0);
 }
 
@@ -123,6 +126,19 @@ void heal_mesh(World& world, Bytes& bytes) {
     keep_surface(world, surface, std::move(rest), view.corner_count);
 }
 
+// Nothing is written where it is refused. hostile: for a polygon too many.
+void find_outer_side(const Entry<rumple_surface>& surface, bool hostile) {
+    const size_t polygons = size_t(surface.base ? surface.base->polygons : 3) + (hostile ? 1 : 0);
+    std::vector<std::uint8_t> outer(polygons + 1, 7);
+    float thickness = -1.0f;
+    const bool found =
+        CALL(rumple_surface_outer_side, surface.handle, outer.data(), polygons, &thickness) == RUMPLE_OK;
+    for (size_t p = 0; p < outer.size(); ++p)
+        require(found && p < polygons ? outer[p] <= 1 : outer[p] == 7, "outer", "rumple_surface_outer_side");
+    require(found ? thickness >= 0.0f && std::isfinite(thickness) : thickness == -1.0f, "thickness",
+            "rumple_surface_outer_side");
+}
+
 void measure_surface(World& world, Bytes& bytes) {
     const auto surface = world.surfaces.pick(bytes);
     std::int32_t openings = -1;
@@ -132,6 +148,7 @@ void measure_surface(World& world, Bytes& bytes) {
     Written follow(surface.base ? size_t(surface.base->vertices) : 3, 1, bytes);
     follow.check(CALL(rumple_surface_suggest_follow, surface.handle, up, follow.pointer(), follow.count),
                  "follow");
+    find_outer_side(surface, int(up[0] * 1000.0f) % 16 == 0);
 }
 
 void move_parts(Bytes& bytes) {
@@ -150,7 +167,11 @@ void move_parts(Bytes& bytes) {
 
 void build_coarse(World& world, Bytes& bytes) {
     const auto dense = world.surfaces.pick(bytes);
-    auto* coarse = MAKE(rumple_coarse, rumple_coarse_build, dense.handle, bytes.real(0.1f, 0.8f));
+    const float spacing = bytes.real(0.1f, 0.8f);
+    // By the same number, so that most kept inputs stay what they are.
+    auto* coarse = spacing < 0.6f ? MAKE(rumple_coarse, rumple_coarse_build, dense.handle, spacing)
+                                  : MAKE(rumple_coarse, rumple_coarse_build_of, dense.handle,
+                                         world.surfaces.pick(bytes).handle, spacing);
     const auto* kept = world.coarses.add(coarse, dense.base, dense.id);
     rumple_coarse_view view;
     if (!kept || CALL(rumple_coarse_get_view, kept->handle, &view) != RUMPLE_OK) return;

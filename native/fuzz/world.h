@@ -15,7 +15,7 @@ namespace rumple::fuzz {
 // What the fuzzer itself knows of the mesh that a handle was made for.
 struct Base {
     std::vector<float> rest;  // (n, 3)
-    std::int32_t vertices = 0, welded = 0, triangles = 0, corners = 0;
+    std::int32_t vertices = 0, welded = 0, triangles = 0, corners = 0, polygons = 0;
 };
 
 template <typename T>

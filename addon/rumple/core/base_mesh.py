@@ -5,7 +5,7 @@ from __future__ import annotations
 import contextlib
 import functools
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Callable, Iterator
 
 import numpy as np
@@ -97,6 +97,24 @@ class BaseMesh:
         if built is not None:
             built[key] = made
         return made
+
+    def only(self, kept: np.ndarray) -> "BaseMesh":
+        """Some of its polygons, with all vertices. kept: (p,) bool. What lies on one that is left out goes with it."""
+        sizes, origin = np.diff(self.polygon_start), self.own_origin()
+        corners = np.repeat(kept, sizes)
+        polygon, corner = np.cumsum(kept) - 1, np.cumsum(corners) - 1
+        copies = []
+        for of in origin.copies:
+            stays = kept[of.lies_on]
+            copies.append(replace(of, corner=of.corner[corners], polygon=of.polygon[stays],
+                                  lies_on=polygon[of.lies_on[stays]].astype(np.int32), is_turned=of.is_turned[stays]))
+        triangles = self.triangle_corner[corners[self.triangle_corner[:, 0]]]
+        return replace(
+            self, polygon_start=np.concatenate([np.zeros(1, np.int32), np.cumsum(sizes[kept], dtype=np.int32)]),
+            corner_vertex=self.corner_vertex[corners],
+            triangle_corner=np.ascontiguousarray(corner[triangles], np.int32),
+            uv=None if self.uv is None else np.ascontiguousarray(self.uv[corners]),
+            origin=replace(origin, corner=origin.corner[corners], polygon=origin.polygon[kept], copies=copies))
 
     def mean_edge(self) -> float:
         """Mean length of the polygons' sides, object units."""

@@ -85,6 +85,12 @@ def is_nearly_closed(positions: np.ndarray, triangles: np.ndarray) -> bool:
     return _inside(positions, triangles)[2] < NEARLY_CLOSED
 
 
+def volume_share(positions: np.ndarray, triangles: np.ndarray) -> float:
+    """Volume over area^1.5 of a surface: a ball has 0.094, a body 0.03, clothes with a thickness less than 0.01."""
+    volume, area, _ = _inside(positions, triangles)
+    return abs(volume) / area ** 1.5 if area > 0.0 else 0.0
+
+
 def _inside(positions: np.ndarray, triangles: np.ndarray) -> tuple[float, float, float]:
     """Volume, area, and the opening's share of the area.
 

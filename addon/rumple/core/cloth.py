@@ -73,11 +73,12 @@ class BaseCloth:
     """A garment's cloth and the collider of its body. No state: frames are handed in and out."""
 
     def __init__(self, surface: Any, diagonal: float, unit_scale: float,
-                 suggest: Callable[[str], np.ndarray] | None = None) -> None:
+                 suggest: Callable[[str], np.ndarray] | None = None, inner: float = 0.0) -> None:
         """surface: native, at rest. diagonal: of its bounding box, object units. unit_scale: metres per object unit.
         suggest: (n,) float32, how firmly its vertices follow the animation where nothing is painted, for an axis that
-        is up; None: suggested_follow() of the surface."""
-        self.surface, self.unit_scale = surface, unit_scale
+        is up; None: suggested_follow() of the surface. inner: how far the inner side of the garment is below it, object
+        units."""
+        self.surface, self.unit_scale, self._inner = surface, unit_scale, inner
         self._suggest = suggest or functools.partial(suggested_follow, surface)
         self.model = kernels.build_base_cloth(surface)
         self.size_factor = size_factor(diagonal, unit_scale)
@@ -116,8 +117,8 @@ class BaseCloth:
         return self._collider[1]
 
     def thickness(self, settings: ClothSettings) -> float:
-        """Of the cloth, object units."""
-        return settings.thickness / self.unit_scale
+        """Of the cloth, with what was modelled of it, object units."""
+        return settings.thickness / self.unit_scale + self._inner
 
     def hidden_depth(self) -> float:
         """Object units: what is deeper inside a body is hidden there on purpose."""

@@ -54,25 +54,14 @@ def without_rigid_parts(base: BaseMesh, weld: bool, small: bool = True) -> BaseM
         stays = skin | (solid & ~solid_parts.lies_on_cloth(base, measured, parts, solid, chosen))
     painted = _painted(base, parts, chosen)
     chosen, skin, stays = chosen | painted, skin & ~painted, stays & ~painted
-    sizes, origin = np.diff(base.polygon_start), base.own_origin()
     part_of_polygon = parts[base.corner_vertex[base.polygon_start[:-1]]]
-    for doubled in origin.copies:  # a doubled button: rather solved as cloth than shown once
+    for doubled in base.own_origin().copies:  # a doubled button: rather solved as cloth than shown once
         chosen[part_of_polygon[doubled.lies_on]] = False
     if not chosen.any():
         return base
     is_rigid = chosen[part_of_polygon]
-    corner_is_rigid = np.repeat(is_rigid, sizes)
-    kept_polygon, kept_corner = np.cumsum(~is_rigid) - 1, np.cumsum(~corner_is_rigid) - 1
-    copies = [replace(one, corner=one.corner[~corner_is_rigid], lies_on=kept_polygon[one.lies_on].astype(np.int32))
-              for one in origin.copies]
-    triangles = base.triangle_corner[~corner_is_rigid[base.triangle_corner[:, 0]]]
-    return replace(
-        base, polygon_start=_starts(sizes[~is_rigid]), corner_vertex=base.corner_vertex[~corner_is_rigid],
-        triangle_corner=np.ascontiguousarray(kept_corner[triangles], np.int32),
-        uv=None if base.uv is None else np.ascontiguousarray(base.uv[~corner_is_rigid]),
-        origin=replace(origin, corner=origin.corner[~corner_is_rigid], polygon=origin.polygon[~is_rigid],
-                       copies=copies),
-        rigid=_taken(base, parts, skin, stays, is_rigid, corner_is_rigid))
+    corner_is_rigid = np.repeat(is_rigid, np.diff(base.polygon_start))
+    return replace(base.only(~is_rigid), rigid=_taken(base, parts, skin, stays, is_rigid, corner_is_rigid))
 
 
 def _cut_apart(base: BaseMesh, places: np.ndarray) -> np.ndarray:
@@ -116,10 +105,6 @@ def _closed(base: BaseMesh, parts: np.ndarray, count: int, places: np.ndarray) -
     closed = np.ones(count, bool)
     closed[parts[border_sides(base, places)[:, 0]]] = False
     return closed
-
-
-def _starts(sizes: np.ndarray) -> np.ndarray:
-    return np.concatenate([np.zeros(1, np.int32), np.cumsum(sizes, dtype=np.int32)])
 
 
 def _taken(base: BaseMesh, parts: np.ndarray, skin: np.ndarray, stays: np.ndarray, is_rigid: np.ndarray,

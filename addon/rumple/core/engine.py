@@ -23,6 +23,7 @@ from .frame_cache import CachedFrame, FrameCache, chain_of
 from .frame_input import FrameInput, FrameRequest
 from .frame_result import FrameResult, PreviewFrame
 from .on_cloth import PAINTED, OnCloth, OnClothReport, Stage, State, cloth_of, system_state
+from .outer_side import OuterSide
 from .settings import SystemSettings
 from .shown_mesh import ShownMesh, ViewportMesh
 from .surroundings import Surroundings
@@ -40,6 +41,7 @@ class Wrinkles(SystemSteps):
     """
 
     in_viewport: ViewportMesh | None = None  # what viewports show, where that has fewer vertices
+    outer: OuterSide | None = None  # where the thickness of a garment is modelled, and its outer side alone is solved
     _last_pose: tuple[np.ndarray | None, Pose | None] = (None, None)  # positions, and what was made of them
 
     def __init__(self, base: BaseMesh, source: BaseMesh, surface: kernels.Surface, model: Model,
@@ -217,13 +219,19 @@ class Wrinkles(SystemSteps):
         """Built once."""
         if self._stage is None:
             self._stage = Stage(self.solved_surface, self.base.diagonal(), self.unit_scale,
-                                lambda up: self._where_solved(suggested_follow(self.surface, up)))
+                                lambda up: self._where_solved(suggested_follow(self._cloth_surface, up)),
+                                0.0 if self.outer is None else self.outer.thickness)
         return self._stage
 
     def suggested_follow(self, settings: Any) -> np.ndarray:
         """(n,) float32: how firmly the base cloth follows the animation while nothing is painted: what paint starts
         from."""
-        return suggested_follow(self.surface, settings.up)[:self.coarse_count]
+        return suggested_follow(self._cloth_surface, settings.up)[:self.coarse_count]
+
+    @property
+    def _cloth_surface(self) -> kernels.Surface:
+        """Of the base, without an inner side, which has no borders."""
+        return self.surface if self.outer is None else self.outer.surface
 
     def _result(self, shown: Any, frame_input: FrameInput, **own: np.ndarray) -> FrameResult:
         """From a native picture of a frame: what was solved over the base cloth is embedded in the animated mesh."""

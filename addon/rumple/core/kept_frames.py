@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from .engine import Wrinkles
 
 SUFFIX = ".frame"
-FORMAT = 6  # raised where frames get other bits. Those of 5 have as few passes in wide layers as in the finest
+FORMAT = 7  # raised where frames get other bits. Those of 6 are solved on both sides of thick clothes
 _HEAD = b"rumple frame\n"
 _DIGEST = 16  # bytes
 _MOST_REFUSED = 5  # renames, one after the other: a virus scanner has a new file open for a moment

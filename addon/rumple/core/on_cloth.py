@@ -92,9 +92,9 @@ class Stage:
     nothing is kept: a brush and a slider that change what lies on it ask for the same again."""
 
     def __init__(self, surface: Any, diagonal: float, unit_scale: float,
-                 suggest: Callable[[str], np.ndarray] | None = None) -> None:
+                 suggest: Callable[[str], np.ndarray] | None = None, inner: float = 0.0) -> None:
         """As BaseCloth() has it."""
-        self.cloth = BaseCloth(surface, diagonal, unit_scale, suggest)
+        self.cloth = BaseCloth(surface, diagonal, unit_scale, suggest, inner)
         self._cover: Any = None
         self._drape: Drape | None = None
         self._begun: tuple[bytes, ClothFrame] | None = None  # digest of what it was solved from

@@ -23,6 +23,8 @@ from .frame_result import FrameResult
 from .hangs_free import FREE, with_wide_folds
 from .layers import layer_settings, layer_words, native_settings
 from .on_cloth import OnCloth
+from .outer_side import OuterSide
+from .outer_side import find as find_outer_side
 from .paint_maps import WIDTH, fold_width
 from .settings import MeshSettings
 from .shown_mesh import ViewportMesh
@@ -115,14 +117,16 @@ def cloth_defaults(base: BaseMesh, unit_scale: float, world_from_object: np.ndar
 SIMULATED_DEFAULTS = dict(layers="CLOTH", buckling_threshold=0.01)
 
 
-def coarse_mesh(base: BaseMesh, settings: MeshSettings, surface: Any, unit_scale: float) -> Any:
-    """Native: what stands for a base that is too dense for wide folds; None where it is not, or too small."""
+def coarse_mesh(base: BaseMesh, settings: MeshSettings, surface: Any, unit_scale: float,
+                outer: OuterSide | None = None) -> Any:
+    """Native: what stands for a base that is too dense for wide folds, or for the outer side of one that has an inner
+    side; None where neither is so, or it is too small."""
     spacing = COARSE_EDGE * size_factor(base.diagonal(), unit_scale)
     dense = base.mean_edge() * unit_scale < DENSE * spacing
-    if not dense or settings.density != "WAVELENGTH" or settings.base_cloth == "OFF":
+    if outer is None and not (dense and settings.density == "WAVELENGTH" and settings.base_cloth != "OFF"):
         return None
     try:
-        return kernels.build_coarse(surface, spacing / unit_scale)
+        return kernels.build_coarse(surface, spacing / unit_scale, None if outer is None else outer.surface)
     except ValueError:
         return None
 
@@ -139,7 +143,7 @@ class WrinkleMesh(Wrinkles):
     layer_count = 0  # 0: one mesh, as in the paper
     finer_layers = 0  # the last of them: for folds that are painted narrower
     _halvings = 0.0  # of the mean edge, for the wavelength that is set
-    coarse: Any = None  # native: stands for a dense base
+    coarse: Any = None  # native: stands for a dense base, and for one with an inner side
     transfer: Any = None  # native: what shows the layers on it then
     _finest: np.ndarray | None = None
 
@@ -192,7 +196,8 @@ class WrinkleMesh(Wrinkles):
     def _build_layers(cls, base: BaseMesh, settings: MeshSettings, surface: Any, warnings: list[str],
                       unit_scale: float, most_vertices: int, viewport_steps: int) -> "WrinkleMesh":
         """Layers over the base, or over a coarse mesh in its place where it is dense."""
-        coarse = coarse_mesh(base, settings, surface, unit_scale)
+        outer = find_outer_side(base, surface, settings.weld)
+        coarse = coarse_mesh(base, settings, surface, unit_scale, outer)
         edge = (base.mean_edge() if coarse is None else coarse.mean_edge) * unit_scale
         level, share, whole = settings.level, 1.0, settings.level
         if settings.density == "WAVELENGTH":
@@ -210,6 +215,7 @@ class WrinkleMesh(Wrinkles):
                                                  viewport_steps)
             mesh = cls(base, base, surface, model, warnings, unit_scale)
             if coarse is not None:
+                mesh.outer = outer
                 mesh._show_on_dense(coarse, settings, most_vertices, viewport_steps)
         except ValueError as error:
             raise user_error(base.name, error) from error
@@ -226,9 +232,12 @@ class WrinkleMesh(Wrinkles):
             self.in_viewport = mesh
 
     def _show_on_dense(self, coarse: Any, settings: MeshSettings, most_vertices: int, viewport_steps: int) -> None:
-        """What was solved on the coarse mesh moves the dense one, subdivided as far as its folds need."""
-        finest = settings.wavelength * self.base.narrowest
-        steps = round(halvings(self.base.mean_edge() * self.unit_scale, finest)) + settings.display_steps
+        """What was solved on the coarse mesh moves the whole base, subdivided as far as its folds need."""
+        steps = settings.level
+        if settings.density == "WAVELENGTH":
+            edge = (self.base if self.outer is None else self.outer.mesh).mean_edge() * self.unit_scale
+            steps = round(halvings(edge, settings.wavelength * self.base.narrowest))
+        steps += settings.display_steps
         steps, notes = self.base.level_within(max(steps, 0), 0, most_vertices)
         self.warnings += notes
         level = max(steps - settings.display_steps, 0)
@@ -253,6 +262,9 @@ class WrinkleMesh(Wrinkles):
 
     def _status(self, report: Any) -> list[str]:
         lines = [f"{self.solve_vertex_count} vertices are solved", f"Fine edge {1000.0 * self.edge_mean:.2f} mm"]
+        if self.outer is not None:
+            thickness = 1000.0 * self.unit_scale * self.outer.thickness
+            lines.append(f"Thickness of {thickness:.1f} mm: the inner side moves with the outer one")
         layers = report if isinstance(report, list) else [report]
         kept = sum(layer.kept_apart for layer in layers)
         if kept:

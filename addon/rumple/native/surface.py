@@ -97,6 +97,14 @@ def count_openings(surface: Surface) -> int:
     return openings.value
 
 
+def outer_side(surface: Surface, polygon_count: int) -> tuple[np.ndarray, float]:
+    """Of a garment whose thickness was modelled: (p,) bool, the polygons of its outer side and of parts without an
+    inner one; and the thickness, object units. All polygons and 0 where none is modelled."""
+    outer, thickness = new(BYTE, polygon_count), ctypes.c_float()
+    lib.rumple_surface_outer_side(surface, address(outer), outer.size, ctypes.addressof(thickness))
+    return outer.astype(bool), thickness.value
+
+
 def suggest_follow(surface: Surface, up: Sequence[float]) -> np.ndarray:
     """(n,) float32: how firmly every vertex follows the animation, 0 to 1: collars, waistbands and cuffs, found from
     the open borders at rest. up: three floats, unit, object space."""
@@ -141,10 +149,11 @@ class CoarseMesh(Handle):
         return out
 
 
-def build_coarse(dense: Surface, spacing: float) -> CoarseMesh:
-    """spacing: about the mean length of its edges, object units. Raises ValueError where the mesh is too small for it.
-    Peyre and Cohen 2006."""
-    coarse = CoarseMesh.made(lib.rumple_coarse_build, dense, spacing)
+def build_coarse(dense: Surface, spacing: float, part: Surface | None = None) -> CoarseMesh:
+    """spacing: about the mean length of its edges, object units. part: some of the polygons of the dense mesh over all
+    of its vertices, which it stands for; None: all of it. Raises ValueError where the mesh is too small for it. Peyre
+    and Cohen 2006."""
+    coarse = CoarseMesh.made(lib.rumple_coarse_build_of, dense, part or dense, spacing)
     coarse.dense, coarse.surface = dense, Surface.made(lib.rumple_coarse_surface, coarse)
     return coarse
 
@@ -379,4 +388,4 @@ def label_clip(model: Any, settings: Any, times: np.ndarray, positions: np.ndarr
 
 
 __all__ = ["CoarseMesh", "HealedMesh", "ShownFrame", "ShownMesh", "Surface", "build_coarse", "build_surface",
-           "count_openings", "embed_frame", "heal_mesh", "label_clip", "rigid_motions", "suggest_follow"]
+           "count_openings", "embed_frame", "heal_mesh", "label_clip", "outer_side", "rigid_motions", "suggest_follow"]

@@ -94,6 +94,14 @@ RUMPLE_API const char* rumple_surface_warning(const rumple_surface* surface, int
 // wide hem in a part with a waist is no outline. Cost: O(edges log edges).
 RUMPLE_API rumple_status rumple_surface_count_openings(const rumple_surface* surface, int32_t* openings);
 
+// Of a garment whose thickness was modelled, its outer side, which is the cloth; what it does, the inner side
+// and the rims do with it. outer: (polygons), written: 1 for those of the outer side, and of parts without an
+// inner one; thickness: written, object units, the median; 0 where none is modelled, and outer is 1
+// everywhere: so is a mesh of which less than three tenths is an inner side. A side lies on the other one at
+// less than a fiftieth of the mesh's diagonal. Cost: about 0.5 us a polygon.
+RUMPLE_API rumple_status rumple_surface_outer_side(const rumple_surface* surface, uint8_t* outer,
+                                                   size_t outer_count, float* thickness);
+
 // How firmly every vertex follows the animation, 0 (free) to 1 (pinned), found from the open borders at rest:
 // collars, waistbands, cuffs. up: unit, object space. follow: (n), written. Cost: O(edges log edges).
 RUMPLE_API rumple_status rumple_surface_suggest_follow(const rumple_surface* surface, const float up[3],
@@ -109,6 +117,10 @@ typedef struct rumple_coarse rumple_coarse;
 // Cost: 20 ms for 10,000 vertices.
 RUMPLE_API rumple_status rumple_coarse_build(const rumple_surface* dense, float spacing,
                                              rumple_coarse** coarse);
+// The same for a part of the dense mesh, as its outer side is: a surface of some of its polygons over all of
+// its vertices.
+RUMPLE_API rumple_status rumple_coarse_build_of(const rumple_surface* dense, const rumple_surface* part,
+                                                float spacing, rumple_coarse** coarse);
 RUMPLE_API void rumple_coarse_free(rumple_coarse* coarse);
 
 typedef struct rumple_coarse_view {

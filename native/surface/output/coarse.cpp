@@ -160,10 +160,12 @@ std::vector<Vec3> cage_around(const Surface& surface, const SparseRows& limit, s
 std::shared_ptr<const CoarseMesh> build_coarse(const Surface& dense, float spacing) {
     if (!(spacing > 0.0f)) throw InvalidInput("spacing: expected above 0, got " + std::to_string(spacing));
     Cells cells(dense);
+    std::vector<bool> is_loose(dense.welded.vertex_count, true);
+    for (const Index v : dense.welded.corner_vertex) is_loose[v] = false;
     std::vector<Index> border, all;
     for (Index v = 0; v < dense.welded.vertex_count; ++v) {
         if (dense.boundary_vertex[v]) border.push_back(v);
-        all.push_back(v);
+        if (!is_loose[v]) all.push_back(v);
     }
     cells.sample(border, kRadius * spacing);
     cells.sample(all, kRadius * spacing);

@@ -22,8 +22,9 @@ struct CoarseMesh {
 };
 
 // spacing: about the mean length of its edges, object units, > 0. Cells that are as wide as the mesh (a
-// narrow strap) make no triangles. Throws InvalidInput where nothing has any. Cost: about O(vertices
-// x log vertices x log coarse vertices), and that of limit_stencils() at the coarse vertices.
+// narrow strap) make no triangles, nor do loose vertices, which have none of it. Throws InvalidInput where
+// nothing has any. Cost: about O(vertices x log vertices x log coarse vertices), and that of limit_stencils()
+// at the coarse vertices.
 std::shared_ptr<const CoarseMesh> build_coarse(const Surface& dense, float spacing);
 
 // positions: of the dense mesh's vertices, object space -> of the coarse ones, such that the smooth surface

@@ -10,10 +10,9 @@ import numpy as np
 from mathutils import Vector
 from mathutils.bvhtree import BVHTree
 
-from ...core import transforms
+from ...core import outer_side, transforms
 from ...core.body import facing_outwards
 from ...core.healing import TURNED
-from .. import compat
 from . import bodies, incoming_mesh, mesh_reader, modifier
 
 SAMPLES = 500  # vertices at most that are asked what lies under them
@@ -108,7 +107,8 @@ def is_finite(obj: bpy.types.Object) -> bool:
 def _cloth(obj: bpy.types.Object) -> _Cloth:
     rest, vertices = _rest(obj), incoming_mesh.of(obj).vertices
     finite = np.flatnonzero(np.isfinite(rest).all(axis=1))
-    chosen = finite[np.linspace(0, len(finite) - 1, min(SAMPLES, len(finite))).astype(int)].tolist()
+    outer = np.intersect1d(finite, triangles_of(obj))
+    chosen = outer[np.linspace(0, len(outer) - 1, min(SAMPLES, len(outer))).astype(int)].tolist()
     turn = obj.matrix_world.to_3x3().inverted_safe().transposed() * side_of(obj)
     reach = NEAR * Vector(np.ptp(rest[finite], axis=0)).length if chosen else 0.0
     return _Cloth([Vector(rest[i]) for i in chosen], [turn @ vertices[i].normal for i in chosen], reach)
@@ -137,10 +137,9 @@ def tree_of(obj: bpy.types.Object, near: _Cloth | None = None) -> BVHTree:
 
 
 def triangles_of(obj: bpy.types.Object) -> np.ndarray:
-    """(t, 3) vertices of an object's incoming mesh."""
-    mesh = incoming_mesh.of(obj)
-    mesh.calc_loop_triangles()
-    return compat.indices(mesh.loop_triangles, "vertices", 3).reshape(-1, 3)
+    """(t, 3) vertices of an object's incoming mesh, without the inner side of clothes with a modelled thickness: what
+    lies under that is not worn over them."""
+    return outer_side.triangles_of(mesh_reader.base_mesh(obj, "REST_POSE", ""))
 
 
 def _share_over(cloth: _Cloth, tree: BVHTree) -> float:

@@ -8,7 +8,8 @@ import bpy
 import numpy as np
 from mathutils.kdtree import KDTree
 
-from ...core import flared, transforms, wrinkle_field, wrinkle_mesh, wrinkle_paths
+from ...core import flared, outer_side, transforms, wrinkle_field, wrinkle_mesh, wrinkle_paths
+from ...core.base_mesh import BaseMesh
 from .. import compat
 from . import incoming_mesh, mesh_reader, modifier, properties, rig_scale, runtimes, units
 
@@ -42,7 +43,7 @@ def defaults(obj: bpy.types.Object, scene: bpy.types.Scene, sheet: bool = False)
         return SIMULATED_DEFAULTS.get(method, {})
     if not is_skinned(obj):
         return {}
-    base = mesh_reader.base_mesh(obj, "REST_POSE", "")
+    base = _cloth_at_rest(obj)
     if not len(base.triangle_corner):
         return {}
     if not sheet and not wrinkle_mesh.suits_cloth(base):
@@ -62,12 +63,24 @@ def is_sheet(obj: bpy.types.Object, body: bpy.types.Object | None) -> bool:
         return False
     into = np.array(obj.matrix_world.inverted_safe() @ body.matrix_world, np.float32)
     wearer = transforms.placed(into, mesh_reader.basis_positions(body.data))
-    return flared.is_sheet(mesh_reader.base_mesh(obj, "REST_POSE", ""), wearer)
+    return flared.is_sheet(_cloth_at_rest(obj), wearer)
 
 
 def is_skirt(obj: bpy.types.Object) -> bool:
     """Whether it has two openings, and the lower one is far wider."""
-    return flared.is_flared(mesh_reader.base_mesh(obj, "REST_POSE", ""), _turn(obj))
+    return flared.is_flared(_cloth_at_rest(obj), _turn(obj))
+
+
+def has_inner_side(obj: bpy.types.Object) -> bool:
+    """Whether it has a modelled thickness."""
+    base = mesh_reader.base_mesh(obj, "REST_POSE", "")
+    return outer_side.without_inner_side(base) is not base
+
+
+def _cloth_at_rest(obj: bpy.types.Object) -> BaseMesh:
+    """Of a Wrinkle Mesh without an inner side; the other systems are solved on the mesh as it is."""
+    base = mesh_reader.base_mesh(obj, "REST_POSE", "")
+    return outer_side.without_inner_side(base) if obj.rumple.method == "MESH" else base
 
 
 def _turn(obj: bpy.types.Object) -> np.ndarray:

@@ -167,8 +167,11 @@ class OBJECT_OT_rumple_add(bpy.types.Operator):
         if cloth_defaults.is_cloth(obj) or worn_over.body is None or properties.group_of(obj).is_property_set(
                 "base_cloth"):
             return []
-        return [f"{obj.name}: it lies over {worn_over.body.name} but has fewer than two openings, as clothes with a "
-                "thickness have, so it is not made cloth: if it is, set Base Cloth to Hang"]
+        if self.method != "MESH" and cloth_defaults.has_inner_side(obj):
+            return [f"{obj.name}: its thickness is modelled, so it is not made cloth: only a Wrinkle Mesh makes such "
+                    "clothes hang, by their outer side"]
+        return [f"{obj.name}: it lies over {worn_over.body.name} but has fewer than two openings, as hats and gloves "
+                "have, so it is not made cloth: if it is, set Base Cloth to Hang"]
 
     def _show_waves(self, context: bpy.types.Context, obj: bpy.types.Object) -> None:
         """Of a Wrinkle Field: in materials and viewports."""
