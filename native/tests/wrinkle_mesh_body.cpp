@@ -12,6 +12,39 @@ namespace {
 
 using namespace wrinkle_mesh;
 
+// The layers of a stack over a body that is known to be near all of it. gap: how far the cloth may go
+// inwards.
+LayersState solved_over(const Stack& stack, const Body& body, const Pose3& pose, float gap, float thickness) {
+    const Collider collider = body.collider();
+    const PosedCollider posed(collider, body.positions);
+    const std::vector<float> gaps(pose.size(), gap);
+    const std::vector<Index> hint(pose.size(), 0);
+    Input input{pose};
+    input.gap = gaps;
+    input.bodies = &posed;
+    input.body_hint = hint;
+    input.thickness = thickness;
+    return stack.solve(input, alike(stack.count()));
+}
+
+// The least distance from the x axis of the middles of sides and polygons between x = low and high.
+float least_radius(const PolygonMesh& mesh, const std::vector<Vec3>& positions, float low, float high) {
+    float least = 1e9f;
+    for (Index p = 0; p < mesh.polygons(); ++p) {
+        Vec3 middle(0.0f);
+        for (Index k = 0, size = mesh.polygon_size(p); k < size; ++k) {
+            const auto at = [&](Index c) {
+                return positions[mesh.corner_vertex[mesh.polygon_start[p] + c % size]];
+            };
+            middle += at(k) / float(size);
+            const Vec3 side = 0.5f * (at(k) + at(k + 1));
+            if (side.x > low && side.x < high) least = std::min(least, std::hypot(side.y, side.z));
+        }
+        if (middle.x > low && middle.x < high) least = std::min(least, std::hypot(middle.y, middle.z));
+    }
+    return least;
+}
+
 // Skin that ends under a shirt showed as a slit: the vertices beside its end went in as far as where there is
 // no body, and the cloth between them cut through it.
 TEST(WrinkleMeshBody, TheEndOfABodyStaysBelowTheClothBetweenItsVertices) {
@@ -110,6 +143,48 @@ TEST(WrinkleMeshBody, SeamsAndLooseVerticesChangeNoBit) {
         solved[is_cut] = stack.solve(input, alike(stack.count())).solved;
     }
     EXPECT_EQ(solved[0], solved[1]);
+}
+
+// A leather sleeve has wide folds, so few vertices: these were off the forearm, which showed between them.
+TEST(WrinkleMeshBody, WhatLiesBetweenVerticesThatAreShownIsOffTheBodyToo) {
+    const float radius = 0.04f, thickness = 0.003f;
+    const Body body = body_of(tube(120, 60, radius, 0.4f));
+    for (const Index around : {5, 6}) {
+        const MeshData mesh = tube(around, 12, 0.05f, 0.4f);
+        const Stack stack(mesh, 1);
+        const LayersState state = solved_over(stack, body, mesh.positions, 0.0f, thickness);
+        const PolygonMesh &finest = stack.layers->layers.back()->solved, &shown = stack.layers->shown.mesh;
+        const Picture picture = stack.show(mesh.positions, mesh.positions, state);
+        // Half of the thickness, but for what is of fourth order in the angle between vertices.
+        const float off = radius + 0.45f * thickness;
+        EXPECT_GT(least_radius(finest, state.solved, 0.08f, 0.32f), off) << around;
+        EXPECT_GT(least_radius(shown, picture.positions, 0.08f, 0.32f), off) << around;
+    }
+}
+
+// Cloth goes out along its own normal, by what is missing along the body's: on a forearm that is turned in
+// its sleeve that was too little.
+TEST(WrinkleMeshBody, ClothThatGoesOutOfABodyAslantIsOut) {
+    const MeshData mesh = grid(12, 12, 0.02f);
+    const Stack stack(mesh, 1);
+    const float thickness = 0.003f;
+    for (const float angle : {0.0f, 0.5f, 0.8f}) {
+        const Vec3 normal(-std::sin(angle), 0.0f, std::cos(angle)), through(0.1f, 0.0f, 0.0f);
+        Body body = body_of(grid(30, 30, 0.03f));
+        for (Vec3& p : body.positions)
+            p = through + (p.x - 0.45f) * Vec3(normal.z, 0.0f, -normal.x) + Vec3(0.0f, p.y - 0.3f, 0.0f);
+        const LayersState state = solved_over(stack, body, mesh.positions, 0.02f, thickness);
+        int put_out = 0;
+        float least = 1e9f;
+        for (size_t v = 0; v < state.solved.size(); ++v) {
+            const float before = glm::dot(stack.layers->layers[1]->positions_rest[v] - through, normal);
+            if (before > 0.0f || before < -0.01f) continue;
+            least = std::min(least, glm::dot(state.solved[v] - through, normal));
+            ++put_out;
+        }
+        EXPECT_GT(least, 0.99f * thickness) << angle;
+        EXPECT_GT(put_out, 20) << angle;
+    }
 }
 
 // Bodies below and ahead, and the cloth itself, are looked for on threads.

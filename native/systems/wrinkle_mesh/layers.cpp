@@ -117,8 +117,9 @@ class LayerInput {
 
     // Becomes that of the next layer, on the solved positions of one. pose: as this one was solved in it,
     // with its contacts. base: its base. missed_by_limit: missed_by_limit() of the solved positions.
+    // finest: whether the next one is.
     void go_on(const Surface& base, const Pose& pose, std::vector<Vec3> solved,
-               std::vector<Vec3> missed_by_limit) {
+               std::vector<Vec3> missed_by_limit, bool finest) {
         gap_ = gap_left(pose, solved);
         keep_outside(pose, gap_, missed_by_limit);
         positions_ = std::move(solved);
@@ -131,7 +132,9 @@ class LayerInput {
         input_.body_hint = body_hint_;
         input_.positions = positions_;
         input_.gap = gap_;
+        input_.looked_below = input_.bodies != nullptr;
         input_.bodies = bodies_;
+        input_.shown = finest;
     }
 
   private:
@@ -345,7 +348,8 @@ LayersState solve(const Layers& layers, std::span<const Settings> settings, std:
                                         state ? &state->layers[k] : nullptr, reports[k]));
         out.solved = solved_positions(layer, settings[k], layer_input.input(), pose, out.layers[k]);
         layer_input.go_on(layer.base, pose, out.solved,
-                          missed_by_limit(layers, k, differences(out.solved, unwrinkled)));
+                          missed_by_limit(layers, k, differences(out.solved, unwrinkled)),
+                          k + 2 == layers.layers.size());
     }
     return out;
 }

@@ -100,6 +100,28 @@ float gap_above(const BodyContact& body, float thickness, float edge, float unkn
     return glm::mix(unknown, cone, smooth_step(-edge, -0.5f * edge, body.distance));
 }
 
+// Cosine between cloth and body: beyond that a vertex does not go out farther for it.
+constexpr float kMostAslant = 0.5f;
+
+// Of the thickness: how far what is shown may sink between its vertices, and still be off a body.
+constexpr float kMostSunk = 0.5f;
+
+// Vertices that are off a body are not enough: the surface between them goes into what is convex. On a body
+// two vertices of radius R, turned by the angle t, have the middle of their side R t^2 / 8 lower, and the
+// smooth surface is lower than its vertices by R t^2 / 6. By what is too much of that they have to be farther
+// out.
+void lower_gaps_of_surface(const Model& model, float thickness, Pose& pose) {
+    std::vector<float> sunk(pose.attachment.size(), 0.0f);
+    for (size_t i = 0; i < model.distance.size(); ++i) {
+        const Index a = model.distance.a[i], b = model.distance.b[i];
+        if (pose.body[a] == kNone || pose.body[b] == kNone) continue;
+        const Vec3 side = pose.attachment[b] - pose.attachment[a];
+        const float of_side = glm::dot(side, pose.floor[b] - pose.floor[a]) / 6.0f;
+        for (const Index v : {a, b}) sunk[v] = std::max(sunk[v], of_side);
+    }
+    for (size_t v = 0; v < sunk.size(); ++v) pose.gap[v] -= std::max(sunk[v] - kMostSunk * thickness, 0.0f);
+}
+
 // How far every vertex may go inwards. Attachments inside a body are put out of it first.
 void find_gaps(const Model& model, const Input& input, Pose& pose) {
     if (input.gap.empty()) return;
@@ -126,7 +148,16 @@ void find_gaps(const Model& model, const Input& input, Pose& pose) {
             if (body.triangle != kNone && !body.border)
                 pose.floor[v] = glm::normalize(glm::mix(pose.normal[v], body.normal, body.weight));
         }
-        if (gap < 0.0f) pose.attachment[v] -= gap * pose.normal[v];
+        pose.gap[v] = gap;
+    });
+    if (input.bodies && input.shown) lower_gaps_of_surface(model, input.thickness, pose);
+    const bool only_look = input.bodies && input.shown && !input.looked_below;
+    for_each_index(pose.attachment.size(), kLeastSteps, [&](size_t v) {
+        const float gap = pose.gap[v];
+        // A gap is measured off the body, and cloth may go out aslant: it goes farther then, unless the next
+        // layer looks again, or this one is nearly out.
+        const float out = only_look ? std::max(glm::dot(pose.normal[v], pose.floor[v]), kMostAslant) : 1.0f;
+        if (gap < 0.0f) pose.attachment[v] -= gap / out * pose.normal[v];
         pose.gap[v] = std::max(gap, 0.0f);
     });
 }
