@@ -27,6 +27,12 @@ LayersState solved_over(const Stack& stack, const Body& body, const Pose3& pose,
     return stack.solve(input, alike(stack.count()));
 }
 
+float apart(const Pose3& a, const Pose3& b) {
+    float most = 0.0f;
+    for (size_t v = 0; v < a.size(); ++v) most = std::max(most, glm::distance(a[v], b[v]));
+    return most;
+}
+
 // The least distance from the x axis of the middles of sides and polygons between x = low and high.
 float least_radius(const PolygonMesh& mesh, const std::vector<Vec3>& positions, float low, float high) {
     float least = 1e9f;
@@ -185,6 +191,39 @@ TEST(WrinkleMeshBody, ClothThatGoesOutOfABodyAslantIsOut) {
         EXPECT_GT(least, 0.99f * thickness) << angle;
         EXPECT_GT(put_out, 20) << angle;
     }
+}
+
+// Trousers that were cut wider had a knob on the front at rest: cloth that lies on hips is no wider than
+// these.
+TEST(WrinkleMeshBody, ClothThatLiesOnABodyHasNothingToSpareUntilItIsPressedTogether) {
+    const Stack stack(tube(20, 24, 0.06f, 0.5f));
+    const Body body = body_of(tube(20, 24, 0.055f, 0.5f));
+    const Collider collider = body.collider();
+    const PosedCollider posed(collider, body.positions);
+    const auto solved = [&](const Pose3& pose, float gap, Index hint, float prestretch) {
+        const std::vector<float> gaps(pose.size(), gap);
+        const std::vector<Index> hints(pose.size(), hint);
+        Input input{pose};
+        input.gap = gaps;
+        input.bodies = &posed;
+        input.body_hint = hints;
+        input.thickness = 0.002f;
+        Settings settings;
+        settings.prestretch = prestretch;
+        return stack.solve(input, alike(stack.count(), settings)).solved;
+    };
+    const auto changes = [&](const Pose3& pose, float gap, Index hint) {
+        return apart(solved(pose, gap, hint, 1.04f), solved(pose, gap, hint, 1.0f));
+    };
+    const Pose3 rest = stack.mesh.positions, squeezed = stack.squeezed(0.85f);
+    EXPECT_EQ(changes(rest, 0.0f, 0), 0.0f);
+    EXPECT_GT(changes(rest, 0.006f, 0), 1e-3f);    // three thicknesses: all of it
+    EXPECT_GT(changes(rest, 0.0f, kNone), 1e-3f);  // nothing is known of the body there
+    EXPECT_LT(changes(rest, 0.002f, 0), changes(rest, 0.006f, 0));
+    Settings flat;
+    flat.radius = 0.0f;
+    const Pose3 unfolded = stack.solve({squeezed}, alike(stack.count(), flat)).solved;
+    EXPECT_GT(apart(solved(squeezed, 0.0f, 0, 1.0f), unfolded), 1e-3f);
 }
 
 // Bodies below and ahead, and the cloth itself, are looked for on threads.

@@ -334,6 +334,7 @@ LayersState solve(const Layers& layers, std::span<const Settings> settings, std:
                      "welded vertices");
     std::optional<BaseStrain> strain;
     std::vector<Vec3> unwrinkled(input.positions.begin(), input.positions.end());
+    std::vector<float> to_spare = share_to_spare(input);
     for (size_t k = 0; k < layers.layers.size(); ++k) {
         const Model& layer = *layers.layers[k];
         check(layer, paint[k]);
@@ -341,6 +342,7 @@ LayersState solve(const Layers& layers, std::span<const Settings> settings, std:
         pose.unwrinkled = unwrinkled = attached_over(layer, unwrinkled);
         if (!strain) strain.emplace(layers, input.positions, settings[0].bend_radius, paint[0].guide.get());
         strain->carry_to(layer, pose);
+        if (!to_spare.empty()) pose.to_spare = to_spare = carry(layer, std::span<const float>(to_spare));
         find_self_contacts(layers.self_contact[k], layer, settings[k], paint[k], of_cloth, pose);
         if (input.bodies)
             look_ahead(*input.bodies, layer, settings[k], paint[k], input.thickness, of_bodies, pose);

@@ -88,6 +88,9 @@ Lanes target_length(const Settings& settings, const Lanes& s, const Lanes& rest,
     return least(settings.compression_limit * at_attachments, target);
 }
 
+// In thicknesses: cloth that is so far above what is worn under it has all that it is cut wider to fold.
+constexpr float kRoomToSpare = 3.0f;
+
 // A body is looked for within so many fine edges around a vertex.
 constexpr float kBodyReach = 2.0f;
 
@@ -163,6 +166,15 @@ void find_gaps(const Model& model, const Input& input, Pose& pose) {
 }
 
 }  // namespace
+
+std::vector<float> share_to_spare(const Input& input) {
+    if (!input.bodies || input.gap.empty()) return {};
+    const float room = std::max(kRoomToSpare * input.thickness, kShortestEdge);
+    std::vector<float> share(input.gap.size(), 1.0f);
+    for (size_t v = 0; v < share.size(); ++v)
+        if (input.body_hint[v] != kNone) share[v] = smooth_step(0.0f, room, input.gap[v]);
+    return share;
+}
 
 TriangleFrame smooth_frame(const TriangleFrame& triangle, const Vec3& interpolated_normal) {
     const float normal_length = glm::length(interpolated_normal);
@@ -319,7 +331,8 @@ Targets make_targets(const Model& model, const Settings& settings, const Paint& 
             Lanes rest = load_lanes(&pairs.rest[first], count);
             if (!rest_scales.empty()) rest = load_lanes(&rest_scales[begin + first], count) * rest;
             const Lanes length = load_lanes(&lengths[begin + first], count);
-            const Lanes painted_here = both(paint.prestretch, pairs, first, count);
+            const Lanes painted_here =
+                both(paint.prestretch, pairs, first, count) * both(pose.to_spare, pairs, first, count);
             const Vec3Lanes way =
                 by_tension || straight_only ? ways_along(pairs, rows, first, count) : Vec3Lanes();
             const Lanes s = by_tension ? pre_stretch(settings, painted_here, way, rest)

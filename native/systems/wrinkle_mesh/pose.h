@@ -23,6 +23,7 @@ struct Pose {
     std::vector<Vec3> attachment;       // a_i
     std::vector<Vec3> unwrinkled;       // where layers without folds would have them; empty: no layers
     std::vector<SpareCloth> spare;      // of the base, at the attachments; empty: folds along any line
+    std::vector<float> to_spare;        // 0..1: what of the pre-stretch is there to fold; empty: all of it
     std::vector<GuidedStrain> guided;   // of the base, at the attachments; empty: no directions are asked for
     std::vector<Vec3> normal;           // interpolated base normals at the attachments, unit or zero
     std::vector<Vec3> floor;            // unit: off what is worn under each; empty: the normals
@@ -57,6 +58,10 @@ SolveTeam team_for(const Model& model, int threads);
 
 // Throws InvalidInput when positions do not match the model or are not finite.
 Pose make_pose(const Model& model, const Input& input);
+
+// Of the base's vertices: Pose::to_spare. Where a body is known under the cloth and it lies on that, its
+// width is that of the body; what it is cut wider hangs where there is room. Empty without bodies.
+std::vector<float> share_to_spare(const Input& input);
 
 // The pose of a single mesh with the directions that are painted; none where none are.
 std::optional<Pose> guided_pose(const Model& model, const Paint& paint, const Pose& pose);
