@@ -20,15 +20,16 @@ HALF = 14  # edges from the middle of the back over one side to the middle of th
 CROTCH = 4  # edges of the strip between the legs
 HIP_RINGS, LEG_RINGS = 7, 21
 WAIST_HEIGHT, CROTCH_HEIGHT, HEM_HEIGHT = 1.015, 0.765, 0.062  # metres
-LEAST_ROOM = 0.007  # metres between cloth and body
+LEAST_ROOM, HIP_ROOM = 0.007, 0.005  # metres between cloth and body; what hangs from the waistband lies on the hips
 UV_UNITS_PER_METRE = 0.74
 
-# Height, half width, half depth, centre y.
+# Height, half width, half depth, centre y: no wider than they hang. What is wider sinks to the body, and is pressed
+# together around the hips: at rest that was a fold with a knob in the middle of the front.
 HIPS = np.array([
-    [0.775, 0.188, 0.124, 0.016],
-    [0.840, 0.186, 0.125, 0.016],
-    [0.910, 0.178, 0.121, 0.016],
-    [0.960, 0.168, 0.114, 0.013],
+    [0.775, 0.184, 0.118, 0.016],
+    [0.840, 0.182, 0.119, 0.016],
+    [0.910, 0.174, 0.115, 0.016],
+    [0.960, 0.166, 0.111, 0.013],
     [1.015, 0.158, 0.108, 0.010],
 ])
 # Height, centre x, centre y, radius.
@@ -100,7 +101,7 @@ def initial_point(key: Key) -> Array:
 
 
 def relax(points: Array, edges: Array, fixed: Array) -> Array:
-    """Even out the cloth, never nearer to the body than LEAST_ROOM."""
+    """Even out the cloth, never nearer to the body than its room."""
     for _ in range(8):
         moved = points + 0.5 * (body.neighbour_average(points, edges) - points)
         moved[fixed] = points[fixed]
@@ -110,8 +111,9 @@ def relax(points: Array, edges: Array, fixed: Array) -> Array:
 
 def away_from_body(points: Array) -> Array:
     """Move what is too near to the body outwards."""
+    room = np.interp(points[:, 2], (CROTCH_HEIGHT, CROTCH_HEIGHT + 0.05), (LEAST_ROOM, HIP_ROOM))
     for _ in range(4):
-        short = np.maximum(LEAST_ROOM - body.body_distance(points), 0.0)
+        short = np.maximum(room - body.body_distance(points), 0.0)
         gradient = body.distance_gradient(points, body.body_distance)
         points = points + short[:, None] * gradient / np.maximum(np.linalg.norm(gradient, axis=1), 0.2)[:, None]
     return points

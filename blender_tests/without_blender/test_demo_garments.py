@@ -8,6 +8,7 @@ import sys
 import tempfile
 import unittest
 from collections import Counter
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -18,6 +19,10 @@ if str(SCRIPTS) not in sys.path:
 import demo_body  # noqa: E402
 import demo_shirt  # noqa: E402
 import demo_trousers  # noqa: E402
+from rumple.core.base_mesh import BaseMesh  # noqa: E402
+from rumple.core.body import Body  # noqa: E402
+from rumple.core.settings import MeshSettings  # noqa: E402
+from rumple.core.wrinkle_mesh import WrinkleMesh, cloth_defaults  # noqa: E402
 
 
 class Script(unittest.TestCase):
@@ -103,6 +108,53 @@ class Trousers(Garment, unittest.TestCase):
     def build(cls) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         trousers = demo_trousers.build_trousers()
         return trousers.points, trousers.quads, trousers.uvs
+
+
+def fans(quads: np.ndarray) -> np.ndarray:
+    """(2 m, 3) of (m, 4), int32."""
+    return np.ascontiguousarray(np.concatenate([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]]), np.int32)
+
+
+def face_normals(points: np.ndarray, triangles: np.ndarray) -> np.ndarray:
+    a, b, c = (points[triangles[:, k]] for k in range(3))
+    normals = np.cross(b - a, c - a)
+    return normals / np.linalg.norm(normals, axis=1)[:, None]
+
+
+class AtRest(unittest.TestCase):
+    """There was a knob on the front of the trousers, in a fold that no simulation has."""
+
+    def shown(self, slack: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """One click on the standing figure: points without and with layers, triangles."""
+        points, quads, _ = Trousers.build()
+        corners = np.arange(4 * len(quads), dtype=np.int32).reshape(-1, 4)
+        base = BaseMesh("Trousers", np.ascontiguousarray(points, np.float32), np.append(corners[:, 0], corners.size)
+                        .astype(np.int32), quads.ravel().astype(np.int32), fans(corners))
+        skin, skin_quads = demo_body.build_body(0.012)
+        body = Body(np.ascontiguousarray(skin, np.float32), fans(skin_quads))
+        settings = MeshSettings(**{**cloth_defaults(base, 1.0, np.eye(3)), "slack": slack})
+        fine = WrinkleMesh.build(base, settings)
+        without, folded = (fine.solve_frame(
+            1.0, base.positions, replace(settings, **dict.fromkeys(("drape", "folds", "detail"), share)), {}, start=1,
+            body=body, world_from_object=np.eye(3, dtype=np.float32)).positions.copy() for share in (0.0, 1.0))
+        return without, folded, fans(fine.shown.corner_vertex.reshape(-1, 4))
+
+    def turned(self, slack: float) -> tuple[float, float]:
+        """Degrees by which layers turn the surface, root of the mean of squares: of the hips, of the legs."""
+        without, folded, triangles = self.shown(slack)
+        cosine = np.einsum("ij,ij->i", face_normals(without, triangles), face_normals(folded, triangles))
+        squares = np.degrees(np.arccos(np.clip(cosine, -1.0, 1.0)))**2
+        height = without[triangles].mean(1)[:, 2]
+        hips, legs = (height > 0.80) & (height < 1.0), (height > 0.1) & (height < 0.7)
+        return float(np.sqrt(squares[hips].mean())), float(np.sqrt(squares[legs].mean()))
+
+    def test_trousers_that_are_cut_wider_hang_and_have_no_ripples(self) -> None:
+        hips, legs = self.turned(1.02)
+        self.assertLess(hips, 2.2)
+        self.assertLess(legs, 2.2)
+
+    def test_legs_that_are_cut_far_wider_fold(self) -> None:
+        self.assertGreater(self.turned(1.15)[1], 4.0)
 
 
 if __name__ == "__main__":
