@@ -133,6 +133,17 @@ class Kept(unittest.TestCase):
         for base, values in ((coarse, {}), (dense, dict(density="LEVEL")), (dense, dict(base_cloth="OFF"))):
             self.assertIsNone(coarse_mesh(base, settings_of(base, **values), base.surface(True), 1.0), values)
 
+    def test_wide_folds_lie_on_wider_ones(self) -> None:
+        """The finest folds of a skirt were the widest that its mesh could have: bumps, and no flutes."""
+        base = sleeve(21, 17)  # edges of 30 mm
+        spacing = []
+        for wavelength in (0.09, 0.14):
+            settings = settings_of(base, wavelength=wavelength)
+            coarse = coarse_mesh(base, settings, base.surface(True), 1.0)
+            spacing.append(base.mean_edge() if coarse is None else coarse.mean_edge)
+            self.assertEqual(coarse is None, wavelength == 0.09)
+        self.assertGreater(spacing[1], 1.6 * spacing[0])
+
     def test_a_thing_that_is_too_small(self) -> None:
         base = tube(80, 62)
         small = replace(base, positions=np.ascontiguousarray(0.001 * base.positions, np.float32))

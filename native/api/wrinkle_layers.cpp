@@ -38,7 +38,8 @@ void spread(const Layers& model, const std::vector<float>& base_values, Part par
 std::vector<Paint> paint_of(const Layers& model, const rumple_wrinkle_layers_painted& from) {
     std::vector<Paint> layers(model.layers.size());
     const Paint all = mesh_painted(from.all, model.base);
-    for (const Part part : {&Paint::radius, &Paint::prestretch, &Paint::bending, &Paint::inside})
+    for (const Part part :
+         {&Paint::radius, &Paint::prestretch, &Paint::bending, &Paint::inside, &Paint::worn})
         spread(model, all.*part, part, layers);
     layers[0].guide = all.guide;
     const auto strength = values(from.strength, from.strength_count, "strength");

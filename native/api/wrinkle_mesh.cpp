@@ -38,6 +38,7 @@ static void pair_fields(rumple_wrinkle_mesh_settings& c, Settings& native, const
     pair(c.stretch_relief, native.stretch_relief);
     pair(c.buckling_threshold, native.buckling_threshold);
     pair(c.compression_limit, native.compression_limit);
+    pair(c.free_compression_limit, native.free_compression_limit);
     pair(c.hem_rings, native.hem_rings);
     pair(c.iterations, native.iterations);
     pair(c.start_iterations, native.start_iterations);
@@ -69,6 +70,7 @@ Paint mesh_painted(const rumple_wrinkle_mesh_painted& from, const Surface& base)
     paint.prestretch = painted(from.prestretch, from.prestretch_count, base, "prestretch");
     paint.bending = painted(from.bending, from.bending_count, base, "bending");
     paint.inside = painted(from.inside, from.inside_count, base, "inside");
+    paint.worn = painted(from.worn, from.worn_count, base, "worn");
     const auto along = vectors(from.along, from.along_count, "along");
     if (!along.empty()) paint.guide = build_guide_lines(base, along);
     return paint;
@@ -203,7 +205,8 @@ rumple_status rumple_wrinkle_mesh_paint_build(const rumple_wrinkle_mesh* model,
     return made(paint, "paint", [&] {
         const Model& m = *given(model, "model").model;
         Paint carried = mesh_painted(given(painted, "painted"), m.base);
-        for (auto* values : {&carried.radius, &carried.prestretch, &carried.bending, &carried.inside}) {
+        for (auto* values :
+             {&carried.radius, &carried.prestretch, &carried.bending, &carried.inside, &carried.worn}) {
             if (!values->empty()) *values = carry_paint(m, *values);
         }
         return new rumple_wrinkle_mesh_paint{model->model, std::move(carried)};

@@ -151,7 +151,10 @@ rumple_wrinkle_mesh_settings mesh_settings(Bytes& bytes) {
                s.buckling_threshold, s.compression_limit, s.hem_rings, s.iterations, s.start_iterations,
                s.damping, s.offset_space, s.tangential_pull, s.normal_pull, s.slack, s.taut_range,
                s.bend_radius, s.apart, s.slide, s.nudge, s.seed, s.threads);
-    if (bytes.byte() % 4 == 3) vary(s.rest, bytes);
+    const int rest = bytes.byte();
+    if (rest % 4 == 3) vary(s.rest, bytes);
+    s.free_compression_limit =
+        float(rest) / 64.0f;  // by the same byte, so that kept inputs stay what they are
     return s;
 }
 
@@ -172,6 +175,8 @@ rumple_wrinkle_mesh_painted mesh_painted(const Base& base, std::vector<std::vect
     painted.inside_count = count();
     painted.along = keep[4].data();
     painted.along_count = count();
+    painted.worn = keep[0].data();  // as many as of the radius
+    painted.worn_count = painted.radius_count;
     return painted;
 }
 

@@ -12,7 +12,8 @@ FREE = "free"  # the paint: 1 where cloth hangs free, 0 where it lies on the bod
 NEAR, AWAY = 0.05, 0.13  # metres from the body, of a garment that an adult wears: there it lies on it; hangs free
 SHEET_HELD, SHEET_FREE = 0.06, 0.25  # of a cape's diagonal, below its upper end: it is held there; hangs free
 LEAST_FREE = 0.1  # share of the vertices: less is no part of a garment that hangs
-FOLDS_LEFT = {"folds": 0.5, "detail": 0.1}  # of these layers, where cloth hangs free: its folds are few and wide
+FOLDS_LEFT = {"folds": 0.5, "detail": 0.0}  # of these layers, where cloth hangs free: its folds are few and wide
+WORN = "worn"  # the solver's paint that says where the wide layers gather little: hangs free the other way round
 SPREADS = 8  # times that every vertex takes the mean of itself and of those beside it
 
 
@@ -53,9 +54,13 @@ def room_factor(free: np.ndarray, settings: ClothSettings) -> np.ndarray:
 
 
 def with_wide_folds(paint: dict[str, np.ndarray], free: np.ndarray | None) -> dict[str, np.ndarray]:
-    """Maps of the layers of a Wrinkle Mesh, with fewer narrow folds where cloth hangs free. free: (n,), or None."""
+    """Maps of the layers of a Wrinkle Mesh: where cloth hangs free, wide layers gather what is pressed together, narrow
+    folds are fewer, and no layer is cut wider than the cloth. free: (n,), or None."""
     if free is None:
         return paint
-    left = {name: (1.0 - (1.0 - share) * np.clip(free, 0.0, 1.0)).astype(np.float32)
-            for name, share in FOLDS_LEFT.items()}
-    return {**paint, **{name: paint[name] * share if name in paint else share for name, share in left.items()}}
+    free = np.clip(free, 0.0, 1.0)
+    left = {name: (1.0 - (1.0 - share) * free).astype(np.float32) for name, share in FOLDS_LEFT.items()}
+    narrow = {name: paint[name] * share if name in paint else share for name, share in left.items()}
+    worn = (1.0 - free).astype(np.float32)
+    excess = paint["prestretch"] * worn if "prestretch" in paint else worn
+    return {**paint, **narrow, "prestretch": excess, WORN: worn}

@@ -44,6 +44,7 @@ WIDE_PASSES = 3
 # fold of twice the width is twice as high for the same gather, so what is pressed together more would bulge; cloth on a
 # body has narrow folds there.
 WIDE_GATHER = 1.05
+FREE_GATHER = 1.15  # the same where cloth hangs free: there is room for wide folds, and narrow ones look crumpled
 LOOSER = 2.0  # slack of the layers over that of the base cloth, where that is not taut
 FINEST_HEM = 2  # rings over which the finest layer fades at open borders: a hem is sewn double, narrow folds end there
 TAUT_RANGE = 0.03  # strain over which a base that is slack becomes taut: along the pull cloth has nothing to spare
@@ -91,6 +92,8 @@ def layer_settings(settings: MeshSettings, count: int, finest: float = 1.0,
             excess = share * slack_factor(settings, number) * (settings.slack - 1.0)
             options.prestretch = settings.prestretch * (1.0 + excess)
             options.compression_limit = gather_limit(settings.compression_limit, options.prestretch, above, finest)
+            options.free_compression_limit = max(min(FREE_GATHER, settings.compression_limit),
+                                                 options.compression_limit)
             options.slack, options.taut_range = settings.slack, TAUT_RANGE
             options.hang, options.bend_radius = hang, bend
         out.append(options)

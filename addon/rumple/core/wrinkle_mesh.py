@@ -20,7 +20,7 @@ from .flared import is_flared
 from .fold_guides import ALONG
 from .frame_input import FrameInput
 from .frame_result import FrameResult
-from .hangs_free import FREE, with_wide_folds
+from .hangs_free import FREE, WORN, with_wide_folds
 from .layers import layer_settings, layer_words, native_settings
 from .on_cloth import OnCloth
 from .outer_side import OuterSide
@@ -86,6 +86,7 @@ def suggested_wavelength(base: BaseMesh, unit_scale: float) -> float:
 
 
 COARSE_EDGE = 0.03  # metres, of a garment that an adult wears: its widest folds are five of them
+WIDE = 0.1  # metres: finest folds that are as wide, as a skirt's, need wider ones to lie on, of edges twice as long
 DENSE = 2.0 / 3.0  # of that: a base with shorter edges is solved on a coarse mesh in its place
 # Metres: the finest folds of a cotton garment that an adult wears. What hangs free has few wide ones.
 CLOTH_WAVELENGTH, SKIRT_WAVELENGTH, SHEET_WAVELENGTH = 0.04, 0.14, 0.07
@@ -121,7 +122,8 @@ def coarse_mesh(base: BaseMesh, settings: MeshSettings, surface: Any, unit_scale
                 outer: OuterSide | None = None) -> Any:
     """Native: what stands for a base that is too dense for wide folds, or for the outer side of one that has an inner
     side; None where neither is so, or it is too small."""
-    spacing = COARSE_EDGE * size_factor(base.diagonal(), unit_scale)
+    size = size_factor(base.diagonal(), unit_scale)
+    spacing = COARSE_EDGE * size * (2.0 if settings.wavelength >= WIDE * size else 1.0)
     dense = base.mean_edge() * unit_scale < DENSE * spacing
     if outer is None and not (dense and settings.density == "WAVELENGTH" and settings.base_cloth != "OFF"):
         return None
@@ -310,7 +312,7 @@ class WrinkleMesh(Wrinkles):
         words = layer_words(self.layer_count, self.finer_layers) if self.layer_count else []
         paint = with_wide_folds(paint, self._cloth_paint.get(FREE))
         factors = {name: values for name, values in paint.items()
-                   if name in ("radius", "prestretch", "bending", "inside", ALONG, *words)}
+                   if name in ("radius", "prestretch", "bending", "inside", WORN, ALONG, *words)}
         for number in range(self.layer_count - self.finer_layers, self.layer_count):
             words[number] = f"finer {number}"
             factors[words[number]] = self._narrower(number, paint)

@@ -56,8 +56,8 @@ class WrinkleLayersPaint(Handle):
     POINTER, FREE = c.WrinkleLayersPaintPointer, "rumple_wrinkle_layers_paint_free"
 
     def __init__(self, model: WrinkleMeshLayers, painted: dict[str, np.ndarray], strength: Sequence[str]) -> None:
-        """painted: names -> (n,) float32 of the base's vertices, 0..1: radius, prestretch, bending, inside, and those
-        in strength: for every layer the name of what scales its radius; and along, as WrinkleMeshPaint has it."""
+        """painted: names -> (n,) float32 of the base's vertices, 0..1: radius, prestretch, bending, inside, worn, and
+        those in strength: for every layer the name of what scales its radius; and along, as WrinkleMeshPaint has it."""
         if len(strength) != model.count:
             raise ValueError(f"strength: expected {model.count} names, one per layer, got {len(strength)}")
         values = c.WrinkleLayersPainted()

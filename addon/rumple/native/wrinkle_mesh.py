@@ -14,7 +14,7 @@ from .struct import Choice
 from .surface import (FramePose, FrameState, ReferenceSettings, ShownFrame, SteppedModel, Surface, fill_reference,
                       fine_plan, reference_arrays, stored_array)
 
-PAINTED = ("radius", "prestretch", "bending", "inside")
+PAINTED = ("radius", "prestretch", "bending", "inside", "worn")
 ALONG = "along"  # (n, 3): where folds are to run, a direction at rest, its length how much
 
 
@@ -91,8 +91,8 @@ class WrinkleMeshPaint(Handle):
     POINTER, FREE = c.WrinkleMeshPaintPointer, "rumple_wrinkle_mesh_paint_free"
 
     def __init__(self, model: WrinkleMeshModel, painted: dict[str, np.ndarray] | None = None) -> None:
-        """painted: any of radius, prestretch, bending, inside -> (n,) float32 of the base's vertices, 0..1; along ->
-        (n, 3), where folds are to run, a direction at rest of a length of 0..1."""
+        """painted: any of radius, prestretch, bending, inside, worn -> (n,) float32 of the base's vertices, 0..1; along
+        -> (n, 3), where folds are to run, a direction at rest of a length of 0..1."""
         self._filled(self, lib.rumple_wrinkle_mesh_paint_build, model, painted_factors(painted or {}))
 
 

@@ -62,22 +62,23 @@ typedef enum rumple_offset_space {
 
 // Lengths are relative to the fine mesh.
 typedef struct rumple_wrinkle_mesh_settings {
-    float radius;              // r: attachment radius, in mean lengths of the edges around a vertex, >= 0
-    float prestretch;          // s: rest length over measured length, > 0
-    float bending;             // k_bending, 0..1
-    int32_t collision;         // rumple_collision
-    float inside;              // depth of the collision plane below the surface, in radii, 0..1
-    float stretch_relief;      // share of the base's excess length that is given in to, 0..1
-    float buckling_threshold;  // compression of the base that bears no folds, share of the length, 0..1
-    float compression_limit;   // rest length at most this times the base's length, >= 1
-    int32_t hem_rings;         // rings over which r fades to 0 at open borders, >= 0
-    int32_t iterations;        // passes from a given state, >= 0
-    int32_t start_iterations;  // passes from the canonical start, >= 0
-    float damping;             // share of the former offset that is kept, 0..1
-    int32_t offset_space;      // rumple_offset_space
-    float tangential_pull;     // share of its way along the surface that a pass pulls a vertex back, 0..1
-    float normal_pull;         // the same off the surface, 0..1
-    float slack;               // of layers: length over rest length at which the base pulls taut, > 0
+    float radius;                  // r: attachment radius, in mean lengths of the edges around a vertex, >= 0
+    float prestretch;              // s: rest length over measured length, > 0
+    float bending;                 // k_bending, 0..1
+    int32_t collision;             // rumple_collision
+    float inside;                  // depth of the collision plane below the surface, in radii, 0..1
+    float stretch_relief;          // share of the base's excess length that is given in to, 0..1
+    float buckling_threshold;      // compression of the base that bears no folds, share of the length, 0..1
+    float compression_limit;       // rest length at most this times the base's length, >= 1
+    float free_compression_limit;  // the same where cloth hangs free, as painted in `worn`, >= 1
+    int32_t hem_rings;             // rings over which r fades to 0 at open borders, >= 0
+    int32_t iterations;            // passes from a given state, >= 0
+    int32_t start_iterations;      // passes from the canonical start, >= 0
+    float damping;                 // share of the former offset that is kept, 0..1
+    int32_t offset_space;          // rumple_offset_space
+    float tangential_pull;         // share of its way along the surface that a pass pulls a vertex back, 0..1
+    float normal_pull;             // the same off the surface, 0..1
+    float slack;                   // of layers: length over rest length at which the base pulls taut, > 0
     float taut_range;  // of layers: over which, below that, s goes from slack to prestretch, >= 0; 0: nowhere
     float hang[3];     // of layers: object space, length 0..1: along it its own weight pulls the cloth taut
     float bend_radius;  // of layers, that of the first counts: object units, >= 0: no folds along lines that
@@ -101,6 +102,8 @@ typedef struct rumple_wrinkle_mesh_painted {
     size_t bending_count;
     const float* inside;  // inside x value
     size_t inside_count;
+    const float* worn;  // 1: compression_limit holds, 0: free_compression_limit, for the cloth hangs free
+    size_t worn_count;
     const float* along;  // (n, 3): where folds are to run, as a direction at rest, either sign; its length,
     size_t along_count;  // 0..1, says how much; or none
 } rumple_wrinkle_mesh_painted;

@@ -40,7 +40,7 @@ struct Settings {
     Vec3 gravity{0.0f, 0.0f, -9.81f};  // object space, object units / s^2, finite
     ClearanceSettings clearance{};
     int steps = 12;               // from a given state, most Newton steps, >= 0
-    int start_steps = 20;         // from the animation, >= 0
+    int start_steps = 30;         // from the animation, >= 0
     int most_cg_iterations = 30;  // of conjugate gradients (CG), in a Newton step, >= 0
 };
 

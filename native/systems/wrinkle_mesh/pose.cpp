@@ -79,13 +79,13 @@ Lanes share_without_place(const Pairs& pairs, const std::vector<SpareCloth>& spa
 
 // The length that pairs are asked to keep in this pose. The paper asks for s l0
 // always; we give in to a part of the stretch of the base and to a small compression, and make no more cloth
-// from a collapsed base than compression_limit allows.
-Lanes target_length(const Settings& settings, const Lanes& s, const Lanes& rest,
+// from a collapsed base than a limit allows, over the base's length.
+Lanes target_length(const Settings& settings, const Lanes& limit, const Lanes& s, const Lanes& rest,
                     const Lanes& at_attachments) {
     Lanes target = s * rest;
     target += settings.stretch_relief * most(at_attachments - target, Lanes{});
     target -= within(target - at_attachments, Lanes{}, settings.buckling_threshold * target);
-    return least(settings.compression_limit * at_attachments, target);
+    return least(limit * at_attachments, target);
 }
 
 // In thicknesses: cloth that is so far above what is worn under it has all that it is cut wider to fold.
@@ -200,6 +200,7 @@ void check(const Model& model, const Paint& paint) {
     fits("prestretch", paint.prestretch);
     fits("bending", paint.bending);
     fits("inside", paint.inside);
+    fits("worn", paint.worn);
     if (paint.guide)
         expect_count("paint.along", paint.guide->along.size(), size_t(model.base.welded.vertex_count),
                      "welded vertices");
@@ -322,6 +323,11 @@ Targets make_targets(const Model& model, const Settings& settings, const Paint& 
             sum[k] = values[pairs.a[first + k]] + values[pairs.b[first + k]];
         return 0.5f * sum;
     };
+    const auto limit_at = [&](const Pairs& pairs, size_t first, size_t count) {
+        const Lanes worn = all_lanes(settings.compression_limit);
+        if (paint.worn.empty()) return worn;
+        return mix(all_lanes(settings.free_compression_limit), worn, both(paint.worn, pairs, first, count));
+    };
     const bool by_tension = settings.taut_range > 0.0f && !pose.unwrinkled.empty();
     const bool straight_only = !pose.spare.empty();
     const std::vector<Row> rows = to_rows(pose.unwrinkled);
@@ -337,7 +343,7 @@ Targets make_targets(const Model& model, const Settings& settings, const Paint& 
                 by_tension || straight_only ? ways_along(pairs, rows, first, count) : Vec3Lanes();
             const Lanes s = by_tension ? pre_stretch(settings, painted_here, way, rest)
                                        : most_pre_stretch(settings, painted_here);
-            Lanes target = target_length(settings, s, rest, length);
+            Lanes target = target_length(settings, limit_at(pairs, first, count), s, rest, length);
             if (straight_only)
                 target = mix(target, least(target, length),
                              share_without_place(pairs, pose.spare, way, first, count));

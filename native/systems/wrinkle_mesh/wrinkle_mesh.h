@@ -33,10 +33,11 @@ struct Settings {
     float buckling_threshold =
         0.0f;                        // compression of the base that bears no folds, share of the length, 0..1
     float compression_limit = 1.3f;  // rest length at most this times the base's length, >= 1
-    int hem_rings = 3;               // rings over which r fades to 0 at open borders; 0: no fade
-    int iterations = 10;             // from a given state, >= 0
-    int start_iterations = 20;       // from the canonical start, >= 0
-    float damping = 0.3f;            // share of the former offset that is kept, 0..1
+    float free_compression_limit = 1.3f;  // the same where cloth hangs free (Paint::worn), >= 1
+    int hem_rings = 3;                    // rings over which r fades to 0 at open borders; 0: no fade
+    int iterations = 10;                  // from a given state, >= 0
+    int start_iterations = 20;            // from the canonical start, >= 0
+    float damping = 0.3f;                 // share of the former offset that is kept, 0..1
     OffsetSpace offset_space = OffsetSpace::kTriangle;
     // Share of its way back to the attachment that every pass pulls a vertex, along the surface and off it,
     // 0..1. Without it cloth drifts within its radius: no two ways to a frame end in the same folds. (Not in
@@ -68,6 +69,7 @@ struct Paint {
     std::vector<float> prestretch;  // 1 + (s - 1) x value
     std::vector<float> bending;     // k x value
     std::vector<float> inside;      // inside x value
+    std::vector<float> worn;  // 1: compression_limit holds; 0: free_compression_limit, for it hangs free
     // Where folds are to run along lines of the base; none: nowhere. Of layers: that of the first one counts.
     std::shared_ptr<const GuideLines> guide{};
 };

@@ -62,6 +62,7 @@ class WrinkleMeshSettings(Struct):
     stretch_relief: float  # share of the base's excess length that is given in to, 0..1
     buckling_threshold: float  # compression of the base that bears no folds, share of the length, 0..1
     compression_limit: float  # rest length at most this times the base's length, >= 1
+    free_compression_limit: float  # the same where cloth hangs free, as painted in `worn`, >= 1
     hem_rings: int  # rings over which r fades to 0 at open borders, >= 0
     iterations: int  # passes from a given state, >= 0
     start_iterations: int  # passes from the canonical start, >= 0
@@ -82,11 +83,11 @@ class WrinkleMeshSettings(Struct):
     rest: ReferenceSettings  # what compression is measured against
     _fields_ = (("radius", c_float), ("prestretch", c_float), ("bending", c_float), ("collision", c_int32),
         ("inside", c_float), ("stretch_relief", c_float), ("buckling_threshold", c_float),
-        ("compression_limit", c_float), ("hem_rings", c_int32), ("iterations", c_int32),
-        ("start_iterations", c_int32), ("damping", c_float), ("offset_space", c_int32), ("tangential_pull", c_float),
-        ("normal_pull", c_float), ("slack", c_float), ("taut_range", c_float), ("hang", c_float * 3),
-        ("bend_radius", c_float), ("apart", c_float), ("slide", c_float), ("nudge", c_float), ("seed", c_uint32),
-        ("threads", c_int32), ("rest", ReferenceSettings),)
+        ("compression_limit", c_float), ("free_compression_limit", c_float), ("hem_rings", c_int32),
+        ("iterations", c_int32), ("start_iterations", c_int32), ("damping", c_float), ("offset_space", c_int32),
+        ("tangential_pull", c_float), ("normal_pull", c_float), ("slack", c_float), ("taut_range", c_float),
+        ("hang", c_float * 3), ("bend_radius", c_float), ("apart", c_float), ("slide", c_float), ("nudge", c_float),
+        ("seed", c_uint32), ("threads", c_int32), ("rest", ReferenceSettings),)
 
 
 class WrinkleMeshPainted(Struct):
@@ -101,11 +102,14 @@ class WrinkleMeshPainted(Struct):
     bending_count: int
     inside: int | None  # inside x value
     inside_count: int
+    worn: int | None  # 1: compression_limit holds, 0: free_compression_limit, for the cloth hangs free
+    worn_count: int
     along: int | None  # (n, 3): where folds are to run, as a direction at rest, either sign; its length,
     along_count: int  # 0..1, says how much; or none
     _fields_ = (("radius", c_void_p), ("radius_count", c_size_t), ("prestretch", c_void_p),
         ("prestretch_count", c_size_t), ("bending", c_void_p), ("bending_count", c_size_t), ("inside", c_void_p),
-        ("inside_count", c_size_t), ("along", c_void_p), ("along_count", c_size_t),)
+        ("inside_count", c_size_t), ("worn", c_void_p), ("worn_count", c_size_t), ("along", c_void_p),
+        ("along_count", c_size_t),)
 
 
 class WrinkleMeshStateView(Struct):
