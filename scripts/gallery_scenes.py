@@ -208,7 +208,7 @@ def build_cape() -> bpy.types.Object:
             group.add([vertex], weight, "REPLACE")
     worn_over(cape, "Mannequin", ("Shirt", "Trousers"))
     settings = cape.rumple.mesh
-    settings.base_cloth, settings.layers, settings.wavelength, settings.hem_rings = "SWING", "CLOTH", 0.07, 0
+    settings.base_cloth, settings.layers, settings.wavelength, settings.hem_rings = "SWING", "CLOTH", 0.1, 0
     settings.room, settings.locomotion, settings.swing_damping, settings.drag = 1.5, 1.0, 1.0, 1.0
     settings.slack, settings.thickness, settings.mass = 1.05, 0.006, 0.15
     return ready("Cape")

@@ -56,11 +56,12 @@ class Flared(unittest.TestCase):
 
     def test_it_gets_few_wide_folds_and_what_else_cloth_gets(self) -> None:
         found = [cloth_defaults(base, 1.0, UPRIGHT, sheet) for base, sheet in (
-            (cone(0.13, 0.3), False), (sheet_of(0.5, 0.8), True), (cone(0.13, 0.13), False))]
+            (cone(0.13, 0.3), False), (sheet_of(1.2, 1.6), True), (sheet_of(0.6, 0.8), True),
+            (sheet_of(0.3, 0.4), True), (cone(0.13, 0.13), False))]
         self.assertEqual([settings.pop("wavelength") for settings in found],
-                         [SKIRT_WAVELENGTH, SHEET_WAVELENGTH, CLOTH_WAVELENGTH])
-        self.assertEqual(found[0], found[2])
-        self.assertEqual(found[1], found[2])
+                         [SKIRT_WAVELENGTH, SKIRT_WAVELENGTH, 0.1, SHEET_WAVELENGTH, CLOTH_WAVELENGTH])
+        for settings in found[:-1]:
+            self.assertEqual(settings, found[-1])
 
 
 def sheet_of(wide: float, high: float, bulge: float = 0.0) -> BaseMesh:

@@ -72,6 +72,17 @@ TEST(Coarse, ItsBordersRunAlongThoseOfTheDenseMesh) {
     }
 }
 
+// The corner of a sheet is a vertex of the coarse mesh: what lies beyond that does not turn with it.
+TEST(Coarse, CornersOfASheetStayCorners) {
+    for (unsigned seed = 0; seed < 6; ++seed) {
+        const MeshData mesh = seed == 0 ? grid(60, 40, 0.006f) : shaken(grid(60, 40, 0.006f), 0.001f, seed);
+        const auto coarse = build_coarse(build(mesh), kSpacing);
+        const std::set<Index> chosen(coarse->dense_vertex.begin(), coarse->dense_vertex.end());
+        for (const Index corner : {0, 60, 40 * 61, 40 * 61 + 60})
+            EXPECT_TRUE(chosen.contains(corner)) << corner;
+    }
+}
+
 // Borders of cells are ragged there: a third cell meets two others there and back.
 TEST(Coarse, IrregularMeshesMakeNoHolesEither) {
     for (unsigned seed = 0; seed < 40; ++seed) {

@@ -89,7 +89,8 @@ COARSE_EDGE = 0.03  # metres, of a garment that an adult wears: its widest folds
 WIDE = 0.1  # metres: finest folds that are as wide, as a skirt's, need wider ones to lie on, of edges twice as long
 DENSE = 2.0 / 3.0  # of that: a base with shorter edges is solved on a coarse mesh in its place
 # Metres: the finest folds of a cotton garment that an adult wears. What hangs free has few wide ones.
-CLOTH_WAVELENGTH, SKIRT_WAVELENGTH, SHEET_WAVELENGTH = 0.04, 0.14, 0.07
+CLOTH_WAVELENGTH, SKIRT_WAVELENGTH = 0.04, 0.14
+SHEET_WAVELENGTH, SHEET_FOLDS = 0.07, 0.1  # of a sheet at least, as a scarf; over its diagonal, up to those of a skirt
 LEAST_OPENINGS = 2  # of a garment: a head has one
 
 
@@ -107,7 +108,9 @@ def cloth_defaults(base: BaseMesh, unit_scale: float, world_from_object: np.ndar
     in metres. Two significant digits. world_from_object: (3, 3), as it stands at rest. sheet: it is one, as a cape."""
     scale = size_factor(base.diagonal(), unit_scale)
     # The base cloth holds collars and cuffs; a hem without folds is a ring, with folds gathered above it.
-    finest = SHEET_WAVELENGTH if sheet else SKIRT_WAVELENGTH if is_flared(base, world_from_object) else CLOTH_WAVELENGTH
+    finest = SKIRT_WAVELENGTH if sheet or is_flared(base, world_from_object) else CLOTH_WAVELENGTH
+    if sheet:
+        finest = min(max(SHEET_FOLDS * base.diagonal() * unit_scale / scale, SHEET_WAVELENGTH), finest)
     lengths = dict(wavelength=finest, room=ClothSettings.room, slide_room=ClothSettings.slide_room,
                    free_room=ClothSettings.free_room, thickness=ClothSettings.thickness)
     return dict(base_cloth="HANG", layers="CLOTH", hem_rings=0, up=nearest_up(world_from_object[2]),

@@ -21,6 +21,9 @@ namespace {
 // sweaters and trousers.
 constexpr float kRadius = 0.7f;
 
+// Cosine of the angle by which a border turns at a corner, at most.
+constexpr float kStraight = 0.6f;
+
 // Of the cage, until the smooth surface runs through the dense mesh: each leaves about a half of what is
 // wrong.
 constexpr int kCorrections = 6;
@@ -155,6 +158,25 @@ std::vector<Vec3> cage_around(const Surface& surface, const SparseRows& limit, s
     return cage;
 }
 
+// Vertices at which an open border turns sharply. What lies beyond the coarse mesh moves along with its
+// border, but does not turn with it: the corner of a cape that flies would stay as it was modelled.
+std::vector<Index> corners_of_borders(const Surface& surface) {
+    std::vector<std::vector<Index>> along(surface.welded.vertex_count);
+    for (const Edge& e : surface.edges) {
+        if (e.right != kNone) continue;
+        along[e.a].push_back(e.b);
+        along[e.b].push_back(e.a);
+    }
+    std::vector<Index> out;
+    for (Index v = 0; v < Index(along.size()); ++v) {
+        if (along[v].size() != 2) continue;
+        const Vec3 at = surface.positions_rest[v], to = surface.positions_rest[along[v][0]] - at,
+                   from = at - surface.positions_rest[along[v][1]];
+        if (glm::dot(to, from) < kStraight * glm::length(to) * glm::length(from)) out.push_back(v);
+    }
+    return out;
+}
+
 }  // namespace
 
 std::shared_ptr<const CoarseMesh> build_coarse(const Surface& dense, float spacing) {
@@ -167,6 +189,7 @@ std::shared_ptr<const CoarseMesh> build_coarse(const Surface& dense, float spaci
         if (dense.boundary_vertex[v]) border.push_back(v);
         if (!is_loose[v]) all.push_back(v);
     }
+    cells.sample(corners_of_borders(dense), kRadius * spacing);
     cells.sample(border, kRadius * spacing);
     cells.sample(all, kRadius * spacing);
     const auto triangles = triangles_between(dense, cells.owner);
