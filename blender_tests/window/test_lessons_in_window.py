@@ -160,7 +160,7 @@ class Lessons(Artist):
         self.screenshot("lesson_skirt_panel")
         yield from self.maximise("PROPERTIES")
         yield from self.go_to_frame(1)
-        yield from self.play_to(37)
+        yield from self.play_to(42)
         self.screenshot("lesson_skirt")
         yield from self.check("skirt", bpy.context.object)
 
