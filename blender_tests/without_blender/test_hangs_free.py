@@ -40,10 +40,17 @@ class Maps(unittest.TestCase):
 
     def test_narrow_folds_fade_and_what_is_painted_counts_as_well(self) -> None:
         free, detail = np.array((0.0, 1.0), np.float32), np.array((0.5, 0.5), np.float32)
-        paint = hangs_free.with_wide_folds({"detail": detail}, free)
+        words = ["drape", "folds", "detail"]
+        paint = hangs_free.with_wide_folds({"detail": detail}, free, words)
         np.testing.assert_allclose((paint["folds"], paint["detail"]), ((1.0, 0.5), (0.5, 0.0)), rtol=1e-5)
         np.testing.assert_array_equal(paint["worn"], 1.0 - free)
-        self.assertEqual(set(hangs_free.with_wide_folds({}, None)), set())
+        self.assertEqual(set(hangs_free.with_wide_folds({}, None, words)), set())
+        # Of fewer layers the widest is left whole; of one mesh, as in the paper, nothing is changed.
+        fewer = hangs_free.with_wide_folds({}, free, ["folds", "detail"])
+        np.testing.assert_allclose(fewer["detail"], (1.0, 0.5))
+        self.assertEqual(set(fewer), {"detail", "worn"})
+        self.assertEqual(set(hangs_free.with_wide_folds({}, free, ["detail"])), {"worn"})
+        self.assertEqual(set(hangs_free.with_wide_folds({}, free, [])), set())
 
 
 class Borders(unittest.TestCase):

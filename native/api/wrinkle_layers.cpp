@@ -186,8 +186,10 @@ rumple_status rumple_wrinkle_layers_solve(const rumple_wrinkle_layers* model,
         over.positions = vectors(given_input.positions, given_input.positions_count, "positions");
         over.gap = values(given_input.gap, given_input.gap_count, "gap");
         over.thickness = given_input.thickness;
+        over.inner = given_input.inner;
         expect_range("gap", over.gap, 0.0, kFarthestCoordinate);
         expect_within("thickness", over.thickness, 0.0, kFarthestCoordinate);
+        expect_within("inner", over.inner, 0.0, kFarthestCoordinate);
         const auto worn_over = posed(&given_input.bodies);
         if (worn_over) {
             over.bodies = &*worn_over;

@@ -89,6 +89,7 @@ void solve(World& world, Bytes& bytes) {
     input.body_hint = hints.pointer;
     input.body_hint_count = hints.count;
     input.thickness = bytes.real(0.0f, 0.1f);
+    input.inner = 2.0f * input.thickness;  // by the same bytes, so that kept inputs stay what they are
     std::vector<rumple_wrinkle_mesh_report> reports(settings.size());
     auto* state =
         MAKE(rumple_wrinkle_layers_state, rumple_wrinkle_layers_solve, model.handle, settings.data(),

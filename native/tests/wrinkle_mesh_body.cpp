@@ -220,10 +220,36 @@ TEST(WrinkleMeshBody, ClothThatLiesOnABodyHasNothingToSpareUntilItIsPressedToget
     EXPECT_GT(changes(rest, 0.006f, 0), 1e-3f);    // three thicknesses: all of it
     EXPECT_GT(changes(rest, 0.0f, kNone), 1e-3f);  // nothing is known of the body there
     EXPECT_LT(changes(rest, 0.002f, 0), changes(rest, 0.006f, 0));
+    // Cloth that is tighter than the body stays so.
+    EXPECT_GT(apart(solved(squeezed, 0.0f, 0, 0.9f), solved(squeezed, 0.0f, 0, 1.0f)), 1e-3f);
     Settings flat;
     flat.radius = 0.0f;
     const Pose3 unfolded = stack.solve({squeezed}, alike(stack.count(), flat)).solved;
     EXPECT_GT(apart(solved(squeezed, 0.0f, 0, 1.0f), unfolded), 1e-3f);
+}
+
+// The inner side of thick cloth stays off the body by the thickness, so the cloth by so much more.
+TEST(WrinkleMeshBody, AnInnerSideStaysOffTheBodyToo) {
+    const Stack stack(tube(20, 24, 0.06f, 0.5f), 1);
+    const Body body = body_of(tube(40, 24, 0.058f, 0.5f));
+    const Collider collider = body.collider();
+    const PosedCollider posed(collider, body.positions);
+    const std::vector<float> gaps(stack.mesh.positions.size(), 0.0f);
+    const std::vector<Index> hints(stack.mesh.positions.size(), 0);
+    for (const float inner : {0.0f, 0.01f}) {
+        Input input{stack.mesh.positions};
+        input.gap = gaps;
+        input.bodies = &posed;
+        input.body_hint = hints;
+        input.thickness = 0.002f;
+        input.inner = inner;
+        const Pose3 solved = stack.solve(input, alike(stack.count())).solved;
+        float least = 1e9f;
+        for (const Vec3& p : solved)
+            if (p.x > 0.1f && p.x < 0.4f) least = std::min(least, std::hypot(p.y, p.z));
+        EXPECT_GT(least, 0.058f + inner + 0.001f) << inner;
+        EXPECT_LT(least, 0.058f + inner + 0.006f) << inner;
+    }
 }
 
 // Bodies below and ahead, and the cloth itself, are looked for on threads.

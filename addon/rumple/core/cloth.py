@@ -78,7 +78,7 @@ class BaseCloth:
         suggest: (n,) float32, how firmly its vertices follow the animation where nothing is painted, for an axis that
         is up; None: suggested_follow() of the surface. inner: how far the inner side of the garment is below it, object
         units."""
-        self.surface, self.unit_scale, self._inner = surface, unit_scale, inner
+        self.surface, self.unit_scale, self.inner = surface, unit_scale, inner
         self._suggest = suggest or functools.partial(suggested_follow, surface)
         self.model = kernels.build_base_cloth(surface)
         self.size_factor = size_factor(diagonal, unit_scale)
@@ -118,7 +118,7 @@ class BaseCloth:
 
     def thickness(self, settings: ClothSettings) -> float:
         """Of the cloth, with what was modelled of it, object units."""
-        return settings.thickness / self.unit_scale + self._inner
+        return settings.thickness / self.unit_scale + self.inner
 
     def hidden_depth(self) -> float:
         """Object units: what is deeper inside a body is hidden there on purpose."""

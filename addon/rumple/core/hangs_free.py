@@ -12,8 +12,8 @@ FREE = "free"  # the paint: 1 where cloth hangs free, 0 where it lies on the bod
 NEAR, AWAY = 0.05, 0.13  # metres from the body, of a garment that an adult wears: there it lies on it; hangs free
 SHEET_HELD, SHEET_FREE = 0.06, 0.25  # of a cape's diagonal, below its upper end: it is held there; hangs free
 LEAST_FREE = 0.1  # share of the vertices: less is no part of a garment that hangs
-FOLDS_LEFT = {"folds": 0.5, "detail": 0.0}  # of these layers, where cloth hangs free: its folds are few and wide
-WORN = "worn"  # the solver's paint that says where the wide layers gather little: hangs free the other way round
+LEFT = (1.0, 0.5, 0.0)  # of Drape, Folds and Detail, or of what there is of them, where cloth hangs free
+WORN = "worn"  # the solver's paint of what does not hang free: wide layers gather little there
 SPREADS = 8  # times that every vertex takes the mean of itself and of those beside it
 
 
@@ -53,14 +53,14 @@ def room_factor(free: np.ndarray, settings: ClothSettings) -> np.ndarray:
     return (1.0 + np.clip(free, 0.0, 1.0) * (max(widest, 1.0) - 1.0)).astype(np.float32)
 
 
-def with_wide_folds(paint: dict[str, np.ndarray], free: np.ndarray | None) -> dict[str, np.ndarray]:
+def with_wide_folds(paint: dict[str, np.ndarray], free: np.ndarray | None, words: list[str]) -> dict[str, np.ndarray]:
     """Maps of the layers of a Wrinkle Mesh: where cloth hangs free, wide layers gather what is pressed together, narrow
-    folds are fewer, and no layer is cut wider than the cloth. free: (n,), or None."""
-    if free is None:
+    folds are fewer, and no layer is cut wider than the cloth. free: (n,), or None. words: of the layers, coarse first.
+    """
+    if free is None or not words:
         return paint
     free = np.clip(free, 0.0, 1.0)
-    left = {name: (1.0 - (1.0 - share) * free).astype(np.float32) for name, share in FOLDS_LEFT.items()}
-    narrow = {name: paint[name] * share if name in paint else share for name, share in left.items()}
-    worn = (1.0 - free).astype(np.float32)
-    excess = paint["prestretch"] * worn if "prestretch" in paint else worn
-    return {**paint, **narrow, "prestretch": excess, WORN: worn}
+    left = {word: (1.0 - (1.0 - share) * free).astype(np.float32)
+            for word, share in zip(dict.fromkeys(words), LEFT) if share < 1.0}
+    narrow = {word: paint[word] * share if word in paint else share for word, share in left.items()}
+    return {**paint, **narrow, WORN: (1.0 - free).astype(np.float32)}

@@ -19,6 +19,7 @@ def native_settings(settings: MeshSettings) -> Any:
                  "compression_limit", "hem_rings", "iterations", "start_iterations", "damping", "offset_space", "nudge",
                  "seed"):
         setattr(options, name, getattr(settings, name))
+    options.free_compression_limit = settings.compression_limit
     settings.fill_reference(options)
     return options
 

@@ -139,7 +139,7 @@ class Stage:
         if collider is None or body is None:
             return dict(gap=frame.gap)
         return dict(gap=frame.gap, collider=collider, body_positions=body.positions, body_hint=frame.body_hint,
-                    thickness=self.cloth.thickness(settings))
+                    thickness=self.cloth.thickness(settings) - self.cloth.inner, inner=self.cloth.inner)
 
     def _lift(self, frame: ClothFrame, settings: ClothSettings, collider: Any, body: Body,
               where: np.ndarray | None) -> None:

@@ -18,7 +18,7 @@ THIN = 0.015  # volume_share() of what may have an inner side: of a body it is t
 
 @dataclass(frozen=True)
 class OuterSide:
-    """Of a mesh, and of its parts without an inner side."""
+    """Of a mesh: the polygons of its outer side, and all of parts without an inner one."""
 
     mesh: BaseMesh  # these polygons, with all vertices of the mesh
     surface: Any  # native, of these
@@ -26,15 +26,18 @@ class OuterSide:
 
 
 def find(base: BaseMesh, surface: Any, weld: bool) -> OuterSide | None:
-    """None where no thickness is modelled. base: healed; surface: native, of it. Cost: 1 ms for 10,000 triangles where
-    there is none, else about 1 ms for 1,000 polygons."""
+    """None where no thickness is modelled. base: healed; surface: native, of it. Cost: 1 ms for 10,000 triangles of
+    what is not thin, else about 1 ms for 1,000 polygons."""
     if not _is_thin(base):
         return None
     polygons, thickness = kernels.outer_side(surface, len(base.polygon_start) - 1)
     if not thickness:
         return None
     mesh = base.only(polygons)
-    return OuterSide(mesh, mesh.surface(weld), thickness)
+    try:
+        return OuterSide(mesh, mesh.surface(weld), thickness)
+    except UserError:
+        return None  # sides that meet at a vertex, for one
 
 
 def without_inner_side(base: BaseMesh) -> BaseMesh:
@@ -51,7 +54,7 @@ def without_inner_side(base: BaseMesh) -> BaseMesh:
 
 
 def triangles_of(base: BaseMesh) -> np.ndarray:
-    """(t, 3) vertices of the artist's, of without_inner_side()."""
+    """(t, 3) of without_inner_side(), vertices as the artist has them."""
     outer = without_inner_side(base)
     return outer.triangles if outer.origin is None else outer.origin.vertex[outer.triangles]
 

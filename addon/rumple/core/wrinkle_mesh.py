@@ -86,7 +86,7 @@ def suggested_wavelength(base: BaseMesh, unit_scale: float) -> float:
 
 
 COARSE_EDGE = 0.03  # metres, of a garment that an adult wears: its widest folds are five of them
-WIDE = 0.1  # metres: finest folds that are as wide, as a skirt's, need wider ones to lie on, of edges twice as long
+WIDE = 0.1  # metres: where the finest folds are as wide, as a skirt's, the coarse mesh has edges twice as long
 DENSE = 2.0 / 3.0  # of that: a base with shorter edges is solved on a coarse mesh in its place
 # Metres: the finest folds of a cotton garment that an adult wears. What hangs free has few wide ones.
 CLOTH_WAVELENGTH, SKIRT_WAVELENGTH = 0.04, 0.14
@@ -126,9 +126,10 @@ def coarse_mesh(base: BaseMesh, settings: MeshSettings, surface: Any, unit_scale
     """Native: what stands for a base that is too dense for wide folds, or for the outer side of one that has an inner
     side; None where neither is so, or it is too small."""
     size = size_factor(base.diagonal(), unit_scale)
-    spacing = COARSE_EDGE * size * (2.0 if settings.wavelength >= WIDE * size else 1.0)
+    by_wavelength = settings.density == "WAVELENGTH"
+    spacing = COARSE_EDGE * size * (2.0 if by_wavelength and settings.wavelength >= WIDE * size else 1.0)
     dense = base.mean_edge() * unit_scale < DENSE * spacing
-    if outer is None and not (dense and settings.density == "WAVELENGTH" and settings.base_cloth != "OFF"):
+    if outer is None and not (dense and by_wavelength and settings.base_cloth != "OFF"):
         return None
     try:
         return kernels.build_coarse(surface, spacing / unit_scale, None if outer is None else outer.surface)
@@ -313,7 +314,7 @@ class WrinkleMesh(Wrinkles):
 
     def _take_paint(self, paint: dict[str, np.ndarray]) -> Any:
         words = layer_words(self.layer_count, self.finer_layers) if self.layer_count else []
-        paint = with_wide_folds(paint, self._cloth_paint.get(FREE))
+        paint = with_wide_folds(paint, self._cloth_paint.get(FREE), words)
         factors = {name: values for name, values in paint.items()
                    if name in ("radius", "prestretch", "bending", "inside", WORN, ALONG, *words)}
         for number in range(self.layer_count - self.finer_layers, self.layer_count):

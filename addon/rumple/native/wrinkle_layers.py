@@ -118,18 +118,19 @@ class WrinkleLayersState(FrameState):
 def solve_wrinkle_layers(model: WrinkleMeshLayers, settings: Sequence[WrinkleMeshSettings],
                          paint: WrinkleLayersPaint | None, positions: np.ndarray, gap: np.ndarray | None = None,
                          collider: Collider | None = None, body_positions: np.ndarray | None = None,
-                         body_hint: np.ndarray | None = None, thickness: float = 0.0,
+                         body_hint: np.ndarray | None = None, thickness: float = 0.0, inner: float = 0.0,
                          state: WrinkleLayersState | None = None) -> tuple[WrinkleLayersState, list[Any]]:
     """Solve one frame; returns (state, [report of each layer]). settings: one for each layer, coarse first.
 
     positions: (n, 3) float32, deformed base or base cloth, object space. gap: (n,) float32: how far each vertex may go
     inwards, object units. collider, body_positions: bodies in this pose; body_hint: of solve_base_cloth; thickness:
-    how far cloth stays off them, object units. state: of the frame before, or None. Raises ValueError.
+    how far cloth stays off them, object units; inner: how far an inner side reaches below it. state: of the frame
+    before, or None. Raises ValueError.
     """
     over = lib.rumple_wrinkle_layers_input_default()
     fill(over, "positions", positions, FLOAT, 3)
     fill(over, "gap", gap, FLOAT)
-    over.thickness = thickness
+    over.thickness, over.inner = thickness, inner
     if collider is not None:
         if body_hint is None:
             raise ValueError("body_hint: expected an array, got None")

@@ -92,6 +92,7 @@ typedef struct rumple_wrinkle_layers_input {
     const int32_t* body_hint;  // (n), with bodies: of rumple_base_cloth_solve()
     size_t body_hint_count;
     float thickness;  // how far cloth stays off bodies, object units, >= 0
+    float inner;      // how far an inner side reaches below the cloth, object units, >= 0
 } rumple_wrinkle_layers_input;
 RUMPLE_API rumple_wrinkle_layers_input rumple_wrinkle_layers_input_default(void);
 

@@ -2,7 +2,9 @@
 #include "surface/cloth/outer_side.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <numeric>
 #include <utility>
@@ -72,6 +74,7 @@ void find_opposites(const Surface& surface, const std::vector<std::array<Index, 
     const PacketHierarchy hierarchy = build_packets(centres_of(surface.positions_rest, triangles));
     const PosedPackets packets(hierarchy, rows, triangles, normals.of_face);
     const float reach = kThickest * diagonal_of(surface);
+    const SolveTeam team(0, polygons.size(), kLeastSearches);
     for_each_index(polygons.size(), kLeastSearches, [&](size_t p) {
         Polygon& polygon = polygons[p];
         if (polygon.normal == Vec3(0.0f)) return;
@@ -143,7 +146,7 @@ class SidesOfOthers {
 };
 
 // Of every polygon that lies on another: whether it is of the smaller one of the two sides. What lies mostly
-// on itself, as a narrow tube does, is of neither.
+// on itself, as a narrow tube does, is outer.
 std::vector<bool> inner_sides(const std::vector<Polygon>& polygons, const std::vector<Index>& side) {
     std::map<std::pair<Index, Index>, double> on;  // the area of two sides that lies on the other one
     for (size_t p = 0; p < polygons.size(); ++p) {

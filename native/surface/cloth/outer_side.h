@@ -18,8 +18,9 @@ struct OuterSide {
 
 // By the shape at rest. A polygon lies on another one where that is behind it, faces the other way, and is
 // nearer than a fiftieth of the bounding box's diagonal. Of two sides that lie on one another the larger one
-// is the outer one: it goes round. Where less than three tenths of the mesh is an inner side (a hem that is
-// turned in, a belt) no thickness is modelled. Cost: about 0.5 us a polygon.
+// is the outer one: it goes round. No thickness is modelled in a part of which less than three tenths is an
+// inner side (a hem that is turned in), or less than seven tenths lies on its other side; nor in a mesh with
+// less than three tenths of inner sides (a belt). Cost: about 0.5 us a polygon.
 OuterSide outer_side(const Surface& surface);
 
 }  // namespace rumple

@@ -323,6 +323,8 @@ LayersState solve(const Layers& layers, std::span<const Settings> settings, std:
     if (input.bodies)
         expect_count("body_hint", input.body_hint.size(), layers.layers[0]->base.display.vertex_count,
                      "values");
+    if (!input.gap.empty())
+        expect_count("gap", input.gap.size(), layers.layers[0]->base.display.vertex_count, "values");
     if (!fits(layers, state)) state = nullptr;
     reports.assign(layers.layers.size(), {});
     const SolveTeam team = team_for(*layers.layers.back(), most_threads(settings));

@@ -111,8 +111,8 @@ constexpr float kMostSunk = 0.5f;
 
 // Vertices that are off a body are not enough: the surface between them goes into what is convex. On a body
 // two vertices of radius R, turned by the angle t, have the middle of their side R t^2 / 8 lower, and the
-// smooth surface is lower than its vertices by R t^2 / 6. By what is too much of that they have to be farther
-// out.
+// smooth surface is lower than its vertices by R t^2 / 6. What of that is above half of the thickness is
+// added to their distance.
 void lower_gaps_of_surface(const Model& model, float thickness, Pose& pose) {
     std::vector<float> sunk(pose.attachment.size(), 0.0f);
     for (size_t i = 0; i < model.distance.size(); ++i) {
@@ -131,6 +131,7 @@ void find_gaps(const Model& model, const Input& input, Pose& pose) {
     expect_count("gap", input.gap.size(), model.base.display.vertex_count, "values");
     if (input.bodies)
         expect_count("body_hint", input.body_hint.size(), model.base.display.vertex_count, "values");
+    const float off = input.thickness + input.inner;
     pose.gap.assign(pose.attachment.size(), 0.0f);
     if (input.bodies) {
         pose.body.assign(pose.attachment.size(), kNone);
@@ -143,9 +144,9 @@ void find_gaps(const Model& model, const Input& input, Pose& pose) {
         float gap = gaps[v];
         const Index hint = input.bodies ? hint_at(model.base, place.triangle, input.body_hint) : kNone;
         if (hint != kNone) {
-            const float reach = kBodyReach * model.local_edge[v] + input.thickness;
+            const float reach = kBodyReach * model.local_edge[v] + off;
             const BodyContact body = input.bodies->closest(pose.attachment[v], pose.normal[v], reach, hint);
-            if (body.triangle != kNone) gap = gap_above(body, input.thickness, model.local_edge[v], gap);
+            if (body.triangle != kNone) gap = gap_above(body, off, model.local_edge[v], gap);
             pose.body[v] = body.triangle;
             // Cloth that slides over a heel would go into it behind a plane of its own.
             if (body.triangle != kNone && !body.border)
@@ -328,6 +329,12 @@ Targets make_targets(const Model& model, const Settings& settings, const Paint& 
         if (paint.worn.empty()) return worn;
         return mix(all_lanes(settings.free_compression_limit), worn, both(paint.worn, pairs, first, count));
     };
+    // Cloth that is cut wider is so only where it has room, and not where it hangs free, for it has enough
+    // there.
+    const auto spare_at = [&](const Pairs& pairs, size_t first, size_t count) {
+        if (settings.prestretch <= 1.0f) return all_lanes(1.0f);
+        return both(pose.to_spare, pairs, first, count) * both(paint.worn, pairs, first, count);
+    };
     const bool by_tension = settings.taut_range > 0.0f && !pose.unwrinkled.empty();
     const bool straight_only = !pose.spare.empty();
     const std::vector<Row> rows = to_rows(pose.unwrinkled);
@@ -338,7 +345,7 @@ Targets make_targets(const Model& model, const Settings& settings, const Paint& 
             if (!rest_scales.empty()) rest = load_lanes(&rest_scales[begin + first], count) * rest;
             const Lanes length = load_lanes(&lengths[begin + first], count);
             const Lanes painted_here =
-                both(paint.prestretch, pairs, first, count) * both(pose.to_spare, pairs, first, count);
+                both(paint.prestretch, pairs, first, count) * spare_at(pairs, first, count);
             const Vec3Lanes way =
                 by_tension || straight_only ? ways_along(pairs, rows, first, count) : Vec3Lanes();
             const Lanes s = by_tension ? pre_stretch(settings, painted_here, way, rest)

@@ -154,8 +154,9 @@ State activated(const State& state);
 //   gap: per vertex of the base, how far the cloth may go inwards before it meets what is worn under it,
 //   object units; empty: no limit but Settings::inside. bodies, body_hint: where a triangle of a body is
 //   known near a vertex of the base (else kNone), the body is looked at for every solved vertex around.
-//   thickness: how far the cloth stays off it, object units. shown: no layer lies on this one, so the surface
-//   between its vertices is kept off bodies, too. looked_below: the layer below was put out of bodies.
+//   thickness: how far the cloth stays off it, object units; inner: how far an inner side reaches below it.
+//   shown: no layer lies on this one, so the surface between its vertices is kept off bodies, too.
+//   looked_below: the layer below was put out of bodies.
 struct Input {
     std::span<const Vec3> positions;
     glm::mat3 world_from_object{1.0f};
@@ -163,7 +164,7 @@ struct Input {
     std::span<const float> gap{};
     const PosedCollider* bodies = nullptr;
     std::span<const Index> body_hint{};
-    float thickness = 0.0f;
+    float thickness = 0.0f, inner = 0.0f;
     bool shown = false, looked_below = false;
     int threads = 0;  // that look for bodies and for the cloth itself; 0: by their number
 };

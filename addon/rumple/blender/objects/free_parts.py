@@ -62,7 +62,7 @@ def paint(obj: bpy.types.Object, scene: bpy.types.Scene, trees: dict[bpy.types.O
     if not np.isfinite(rest).all():
         return False
     free = hangs_free.share_of_sheet(rest) if sheet else _free_of_bodies(obj, rest, scene, trees)
-    if free is None or (free > 0.5).mean() < hangs_free.LEAST_FREE:
+    if free is None or (free[np.unique(body_search.triangles_of(obj))] > 0.5).mean() < hangs_free.LEAST_FREE:
         return False
     painted_maps.write(obj, painted, (np.round(free * STEPS) / STEPS).astype(np.float32))
     return True
@@ -82,17 +82,18 @@ def _free_share(obj: bpy.types.Object, rest: np.ndarray, over: list[_Surface], m
     turn = obj.matrix_world.to_3x3().inverted_safe().transposed()
     size = size_factor(Vector(np.ptp(rest, axis=0)).length, metre)
 
-    def share(step: int, side: float) -> np.ndarray:
-        places, vertices = [Vector(place) for place in rest[::step].tolist()], obj.data.vertices
-        normals = [side * (turn @ vertices[i].normal).normalized() for i in range(0, len(rest), step)]
+    def share(of: np.ndarray, side: float) -> np.ndarray:
+        places, vertices = [Vector(place) for place in rest[of].tolist()], obj.data.vertices
+        normals = [side * (turn @ vertices[i].normal).normalized() for i in of.tolist()]
         distance = _distances(places, normals, over, FARTHEST * size / metre)
         return hangs_free.share_of_distance(metre * distance, size)
 
-    step = max(len(rest) // SAMPLES, 1)
+    outer = np.unique(body_search.triangles_of(obj))  # the inner side of thick cloth has no body below it
+    sample = outer[::max(len(outer) // SAMPLES, 1)]
     # Which side is the outer one is looked up for those that need it.
-    if not any((share(step, side) > 0.5).mean() >= hangs_free.LEAST_FREE for side in (1.0, -1.0)):
+    if not any((share(sample, side) > 0.5).mean() >= hangs_free.LEAST_FREE for side in (1.0, -1.0)):
         return None
-    return hangs_free.spread(share(1, body_search.side_of(obj)), compat.edge_vertices(obj.data))
+    return hangs_free.spread(share(np.arange(len(rest)), body_search.side_of(obj)), compat.edge_vertices(obj.data))
 
 
 def _distances(places: list[Vector], normals: list[Vector], over: list[_Surface], farthest: float) -> np.ndarray:

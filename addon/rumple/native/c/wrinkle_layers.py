@@ -77,8 +77,10 @@ class WrinkleLayersInput(Struct):
     body_hint: int | None  # (n), with bodies: of rumple_base_cloth_solve()
     body_hint_count: int
     thickness: float  # how far cloth stays off bodies, object units, >= 0
+    inner: float  # how far an inner side reaches below the cloth, object units, >= 0
     _fields_ = (("positions", c_void_p), ("positions_count", c_size_t), ("gap", c_void_p), ("gap_count", c_size_t),
-        ("bodies", Bodies), ("body_hint", c_void_p), ("body_hint_count", c_size_t), ("thickness", c_float),)
+        ("bodies", Bodies), ("body_hint", c_void_p), ("body_hint_count", c_size_t), ("thickness", c_float),
+        ("inner", c_float),)
 
 
 class WrinkleTransferPlan(Struct):
