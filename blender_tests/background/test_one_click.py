@@ -233,10 +233,10 @@ class HangsFree(unittest.TestCase):
             settings.property_unset("base_cloth")
         sleeve.under(self.obj, "Human")
 
-    def widen(self) -> np.ndarray:
-        """A balloon sleeve. (n,) bool: the vertices in its middle."""
+    def widen(self, narrow: int = 2) -> np.ndarray:
+        """A balloon sleeve, of a shorter balloon the greater `narrow` is. (n,) bool: the vertices in its middle."""
         rest = compat.positions(self.obj.data)
-        bulge = np.sin(np.pi * np.clip(rest[:, 0] / sleeve.LENGTH, 0.0, 1.0)) ** 2
+        bulge = np.sin(np.pi * np.clip(rest[:, 0] / sleeve.LENGTH, 0.0, 1.0)) ** narrow
         rest[:, 1:] *= 1.0 + WIDE / sleeve.RADIUS * bulge[:, None]
         self.obj.data.vertices.foreach_set("co", rest.ravel())
         self.obj.data.update()
@@ -294,6 +294,36 @@ class HangsFree(unittest.TestCase):
         pinned = cloth_defaults.follow_weights(self.obj)
         self.assertEqual(pinned[along == along.min()].min(), 1.0)
         self.assertEqual(pinned[along == along.max()].max(), 0.0)
+
+    def test_a_thick_garment_counts_by_its_outer_side(self) -> None:
+        """A sixth of that hangs free, and a twelfth of all vertices, of which a tenth was needed."""
+        self.widen(narrow=10)
+        solidify = self.obj.modifiers.new("Thickness", "SOLIDIFY")
+        solidify.thickness, solidify.offset = 0.004, -1.0
+        compat.move_modifier(self.obj, len(self.obj.modifiers) - 1, 0)
+        sleeve.make_active(self.obj)
+        bpy.ops.object.modifier_apply(modifier="Thickness")
+        weights = self.click()
+        self.assertLess((weights > 0.5).mean(), 0.1)
+        self.assertGreater(weights.max(), 0.5)
+
+    def test_it_is_of_the_vertices_that_no_modifier_made(self) -> None:
+        """The click stopped with an IndexError where a Mirror stood in front: its vertices have no paint."""
+        middle = self.widen()
+        front = (("MIRROR", {}), ("SOLIDIFY", {"thickness": 0.004, "offset": 1.0}),
+                 ("SOLIDIFY", {"thickness": 0.004, "offset": -1.0}), ("SUBSURF", {"levels": 1}),
+                 ("DECIMATE", {"ratio": 0.5}))
+        for kind, values in front:
+            with self.subTest(kind, **values):
+                added = self.obj.modifiers.new("Front", kind)
+                for name, value in values.items():
+                    setattr(added, name, value)
+                compat.move_modifier(self.obj, len(self.obj.modifiers) - 1, 0)
+                weights = self.click()
+                self.assertGreater(weights[middle].mean(), 0.9)
+                bpy.ops.object.rumple_remove()
+                self.obj.vertex_groups.remove(self.obj.vertex_groups[GROUP])
+                self.obj.modifiers.remove(self.obj.modifiers["Front"])
 
     def test_a_plain_sleeve_has_no_map(self) -> None:
         self.assertEqual(len(self.click()), 0)

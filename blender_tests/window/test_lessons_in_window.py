@@ -152,7 +152,7 @@ class Lessons(Artist):
         yield from self.button("Cloth")
         yield from self.scroll_to("Layers")
         yield from self.pick("Base Cloth", "Swing")
-        for label in ("Wavelength", "Room"):
+        for label in ("Wavelength", "Room", "Free Room", "Hangs Free"):
             yield from self.scroll_to(label)
         for label, value in (("Slack", "1.08"), ("Bending Length", "3 cm"), ("Locomotion", "1"),
                              ("Swing Damping", "2")):

@@ -144,6 +144,15 @@ class Kept(unittest.TestCase):
             self.assertEqual(coarse is None, wavelength == 0.09)
         self.assertGreater(spacing[1], 1.6 * spacing[0])
 
+    def test_a_skirt_lies_on_wide_folds_whatever_its_finest_are(self) -> None:
+        base = sleeve(21, 17)
+        below = 1.0 - base.positions[:, 2:] / base.positions[:, 2].max()
+        flared = replace(base, positions=base.positions * np.c_[np.tile(1.0 + below, 2), np.ones(len(below))].astype(
+            np.float32))
+        for mesh, up, is_coarse in ((base, "Z", False), (flared, "Z", True), (flared, "-Z", False)):
+            settings = settings_of(mesh, wavelength=0.04, up=up)
+            self.assertEqual(coarse_mesh(mesh, settings, mesh.surface(True), 1.0) is not None, is_coarse, up)
+
     def test_a_thing_that_is_too_small(self) -> None:
         base = tube(80, 62)
         small = replace(base, positions=np.ascontiguousarray(0.001 * base.positions, np.float32))

@@ -27,15 +27,15 @@ def cone(top: float, bottom: float) -> BaseMesh:
 class Flared(unittest.TestCase):
 
     def test_two_openings_of_which_the_lower_one_is_far_wider(self) -> None:
-        self.assertTrue(is_flared(cone(0.13, 0.3), UPRIGHT))
-        self.assertFalse(is_flared(cone(0.13, 0.13), UPRIGHT))
-        self.assertFalse(is_flared(cone(0.3, 0.13), UPRIGHT))
+        self.assertTrue(is_flared(cone(0.13, 0.3), UPRIGHT[2]))
+        self.assertFalse(is_flared(cone(0.13, 0.13), UPRIGHT[2]))
+        self.assertFalse(is_flared(cone(0.3, 0.13), UPRIGHT[2]))
 
     def test_below_is_where_the_world_has_it(self) -> None:
         skirt = cone(0.13, 0.3)
         lying = replace(skirt, positions=-skirt.positions)
-        self.assertFalse(is_flared(lying, UPRIGHT))
-        self.assertTrue(is_flared(lying, -UPRIGHT))
+        self.assertFalse(is_flared(lying, UPRIGHT[2]))
+        self.assertTrue(is_flared(lying, -UPRIGHT[2]))
 
     def test_a_seam_that_is_cut_is_no_opening(self) -> None:
         """UV seams are cut in games' meshes: the two sides of one are at the same places."""
@@ -47,12 +47,12 @@ class Flared(unittest.TestCase):
         for vertex in column:
             split[beside[:, None] & (quads == vertex)] = len(points)
             points = np.concatenate([points, points[vertex:vertex + 1]])
-        self.assertTrue(is_flared(quad_mesh("Skirt", points, split), UPRIGHT))
+        self.assertTrue(is_flared(quad_mesh("Skirt", points, split), UPRIGHT[2]))
 
     def test_a_third_opening_makes_it_another_garment(self) -> None:
         skirt = cone(0.13, 0.3)
         quads = np.delete(skirt.corner_vertex.reshape(-1, 4), 100, axis=0)
-        self.assertFalse(is_flared(quad_mesh("Holed", skirt.positions, quads), UPRIGHT))
+        self.assertFalse(is_flared(quad_mesh("Holed", skirt.positions, quads), UPRIGHT[2]))
 
     def test_it_gets_few_wide_folds_and_what_else_cloth_gets(self) -> None:
         found = [cloth_defaults(base, 1.0, UPRIGHT, sheet) for base, sheet in (

@@ -13,7 +13,7 @@ from ..native import kernels
 from .base_mesh import BaseMesh, affordable_level
 from .body import Body
 from .cloth import bend_radius, size_factor
-from .cloth_settings import ClothSettings, nearest_up
+from .cloth_settings import ClothSettings, direction_of, nearest_up
 from .cloth_surface import checked_surface
 from .engine import MOST_VERTICES, Wrinkles
 from .flared import is_flared
@@ -86,7 +86,7 @@ def suggested_wavelength(base: BaseMesh, unit_scale: float) -> float:
 
 
 COARSE_EDGE = 0.03  # metres, of a garment that an adult wears: its widest folds are five of them
-WIDE = 0.1  # metres: where the finest folds are as wide, as a skirt's, the coarse mesh has edges twice as long
+WIDE = 0.1  # metres: where the finest folds are as wide, and of every skirt, the coarse mesh has edges twice as long
 DENSE = 2.0 / 3.0  # of that: a base with shorter edges is solved on a coarse mesh in its place
 # Metres: the finest folds of a cotton garment that an adult wears. What hangs free has few wide ones.
 CLOTH_WAVELENGTH, SKIRT_WAVELENGTH = 0.04, 0.14
@@ -108,7 +108,7 @@ def cloth_defaults(base: BaseMesh, unit_scale: float, world_from_object: np.ndar
     in metres. Two significant digits. world_from_object: (3, 3), as it stands at rest. sheet: it is one, as a cape."""
     scale = size_factor(base.diagonal(), unit_scale)
     # The base cloth holds collars and cuffs; a hem without folds is a ring, with folds gathered above it.
-    finest = SKIRT_WAVELENGTH if sheet or is_flared(base, world_from_object) else CLOTH_WAVELENGTH
+    finest = SKIRT_WAVELENGTH if sheet or is_flared(base, world_from_object[2]) else CLOTH_WAVELENGTH
     if sheet:
         finest = min(max(SHEET_FOLDS * base.diagonal() * unit_scale / scale, SHEET_WAVELENGTH), finest)
     lengths = dict(wavelength=finest, room=ClothSettings.room, slide_room=ClothSettings.slide_room,
@@ -126,8 +126,9 @@ def coarse_mesh(base: BaseMesh, settings: MeshSettings, surface: Any, unit_scale
     """Native: what stands for a base that is too dense for wide folds, or for the outer side of one that has an inner
     side; None where neither is so, or it is too small."""
     size = size_factor(base.diagonal(), unit_scale)
-    by_wavelength = settings.density == "WAVELENGTH"
-    spacing = COARSE_EDGE * size * (2.0 if by_wavelength and settings.wavelength >= WIDE * size else 1.0)
+    by_wavelength, cloth = settings.density == "WAVELENGTH", base if outer is None else outer.mesh
+    wide = by_wavelength and (settings.wavelength >= WIDE * size or is_flared(cloth, direction_of(settings.up)))
+    spacing = COARSE_EDGE * size * (2.0 if wide else 1.0)
     dense = base.mean_edge() * unit_scale < DENSE * spacing
     if outer is None and not (dense and by_wavelength and settings.base_cloth != "OFF"):
         return None

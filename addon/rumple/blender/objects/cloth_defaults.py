@@ -68,7 +68,7 @@ def is_sheet(obj: bpy.types.Object, body: bpy.types.Object | None) -> bool:
 
 def is_skirt(obj: bpy.types.Object) -> bool:
     """Whether it has two openings, and the lower one is far wider."""
-    return flared.is_flared(_cloth_at_rest(obj), _turn(obj))
+    return flared.is_flared(_cloth_at_rest(obj), _turn(obj)[2])
 
 
 def has_inner_side(obj: bpy.types.Object) -> bool:

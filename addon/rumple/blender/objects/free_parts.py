@@ -62,7 +62,7 @@ def paint(obj: bpy.types.Object, scene: bpy.types.Scene, trees: dict[bpy.types.O
     if not np.isfinite(rest).all():
         return False
     free = hangs_free.share_of_sheet(rest) if sheet else _free_of_bodies(obj, rest, scene, trees)
-    if free is None or (free[np.unique(body_search.triangles_of(obj))] > 0.5).mean() < hangs_free.LEAST_FREE:
+    if free is None or (free[_cloth_vertices(obj)] > 0.5).mean() < hangs_free.LEAST_FREE:
         return False
     painted_maps.write(obj, painted, (np.round(free * STEPS) / STEPS).astype(np.float32))
     return True
@@ -88,12 +88,20 @@ def _free_share(obj: bpy.types.Object, rest: np.ndarray, over: list[_Surface], m
         distance = _distances(places, normals, over, FARTHEST * size / metre)
         return hangs_free.share_of_distance(metre * distance, size)
 
-    outer = np.unique(body_search.triangles_of(obj))  # the inner side of thick cloth has no body below it
+    outer = _cloth_vertices(obj)
     sample = outer[::max(len(outer) // SAMPLES, 1)]
     # Which side is the outer one is looked up for those that need it.
     if not any((share(sample, side) > 0.5).mean() >= hangs_free.LEAST_FREE for side in (1.0, -1.0)):
         return None
     return hangs_free.spread(share(np.arange(len(rest)), body_search.side_of(obj)), compat.edge_vertices(obj.data))
+
+
+def _cloth_vertices(obj: bpy.types.Object) -> np.ndarray:
+    """Ascending: those of the object's own vertices that tell; the inner side of thick cloth has no body below it. A
+    Mirror or Solidify modifier adds its vertices behind them, and these may be all of the outer side."""
+    own = np.arange(len(obj.data.vertices))
+    outer = np.intersect1d(own, body_search.triangles_of(obj))
+    return outer if len(outer) else own
 
 
 def _distances(places: list[Vector], normals: list[Vector], over: list[_Surface], farthest: float) -> np.ndarray:
