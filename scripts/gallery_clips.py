@@ -69,7 +69,7 @@ CLIPS = {
     "close": Clip("", ("Trousers", "Shirt"), (1, 72), distance=2.3, view=(0.75, -1.0, 0.15), looks_at=("Shirt",),
                   weave=True),
     "walk": Clip("S1_walk_shirt", ("trousers", "shirt"), (30, 120), distance=4.6, view=WALKING, raised=0.1),
-    "jump": Clip("S2_squat_trousers", ("trousers", "sweater"), (15, 95), distance=4.6, view=WALKING, raised=0.12),
+    "jump": Clip("S2_squat_trousers", ("trousers", "sweater"), (15, 95), distance=5.2, view=WALKING, raised=0.14),
     "suit": Clip("male_elegantsuit01", ("male_elegantsuit01",), (2, 66), distance=4.3, view=FRONT, looks_at=("Body",),
                  folder=OUTFITS),
     "sit": Clip("sit", ("Trousers", "Shirt"), (5, 64), distance=4.6, view=(0.9, -1.0, 0.15), looks_at=("Mannequin",),
@@ -89,9 +89,9 @@ CLIPS = {
     "skirt": Clip("skirt", ("Skirt",), (1, 60), (Column("As it was animated"), HANG, SWING), distance=3.2,
                   view=FRONT, looks_at=("Skirt",), size=(320, 400)),
     "systems": Clip("", ("Shirt",), (1, 72), (
-        CLOTH, Column("Wrinkle Field", "FIELD"), Column("Wrinkle Paths", "PATHS")), distance=2.6,
-        view=FRONT, size=(320, 400)),
-    "fabrics": Clip("S1_walk_shirt", ("shirt",), (40, 110), FABRICS, distance=2.2, size=(280, 360),
+        CLOTH, Column("Wrinkle Field", "FIELD"), Column("Wrinkle Paths", "PATHS")), distance=3.4,
+        view=FRONT, raised=0.03, size=(320, 400)),
+    "fabrics": Clip("S1_walk_shirt", ("shirt",), (40, 110), FABRICS, distance=2.5, raised=0.04, size=(280, 360),
                     dyed=True),
 }
 

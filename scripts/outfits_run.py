@@ -37,6 +37,8 @@ CLIP = {
     "upperleg01.R": (X, (1, 0), (30, 0), (48, 75), (66, 0)),
     "lowerleg01.L": (X, (1, 0), (30, 0), (48, -100), (66, 0)),
     "lowerleg01.R": (X, (1, 0), (30, 0), (48, -100), (66, 0)),
+    "foot.L": (X, (1, 0), (30, 0), (48, 25), (66, 0)),
+    "foot.R": (X, (1, 0), (30, 0), (48, 25), (66, 0)),
     "spine03": (Z, (1, 0), (48, 0), (66, 35)),
     "spine05": (X, (1, 0), (30, 0), (48, 25), (66, 0)),
 }
@@ -109,7 +111,19 @@ def build_rig(bones: dict[str, tuple[str | None, np.ndarray, np.ndarray]]) -> bp
         for frame, degrees in keys:
             bone.rotation_quaternion = Quaternion(around, math.radians(degrees))
             bone.keyframe_insert("rotation_quaternion", frame=frame)
+    keep_feet_in_place(rig)
     return rig
+
+
+def keep_feet_in_place(rig: bpy.types.Object) -> None:
+    """Keys the root in every frame of the clip, so that the hips go down where the knees bend."""
+    root, feet = rig.pose.bones["root"], [rig.pose.bones[name] for name in ("foot.L", "foot.R")]
+    to_root = root.bone.matrix_local.to_3x3().inverted()
+    for frame in range(1, FRAMES + 1):
+        bpy.context.scene.frame_set(frame)
+        away = sum((foot.bone.head_local - foot.head for foot in feet), Vector()) / len(feet)
+        root.location += to_root @ away
+        root.keyframe_insert("location", frame=frame)
 
 
 def build_scene(data: Path, clothes: Path, name: str, colour: tuple[float, float, float]) -> bpy.types.Object:
