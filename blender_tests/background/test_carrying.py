@@ -44,6 +44,22 @@ class Carrying(unittest.TestCase):
         obj = sleeve.scene()
         self.assertTrue(all(polygon.use_smooth for polygon in sleeve.evaluated(obj).data.polygons))
 
+    @unittest.skipUnless(compat.HAS_AUTO_SMOOTH, "Auto Smooth is a modifier from Blender 4.1 on")
+    def test_custom_normals_switch_off_the_angle_of_auto_smooth(self) -> None:
+        """They are not carried. With the angle alone, skin of an import from glTF was full of flat faces."""
+        obj = sleeve.scene(wrinkles=False)
+        mesh = obj.data
+        mesh.use_auto_smooth, mesh.auto_smooth_angle = True, 0.2
+        for custom, angle in ((False, 0.2), (True, np.pi)):
+            if custom:
+                mesh.normals_split_custom_set_from_vertices([vertex.normal for vertex in mesh.vertices])
+            sleeve.make_active(obj)
+            bpy.ops.object.rumple_add(method="MESH")
+            shown = modifier.output_object(modifier.find(obj)).data
+            self.assertTrue(shown.use_auto_smooth)
+            self.assertAlmostEqual(shown.auto_smooth_angle, angle, places=5)
+            bpy.ops.object.rumple_remove()
+
     def test_uv_corners_stay_on_the_map_of_their_face(self) -> None:
         obj = sleeve.scene()
         fine, mesh = runtimes.of(obj).evaluator, sleeve.output_object(obj).data

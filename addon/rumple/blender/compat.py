@@ -5,6 +5,7 @@ Nothing outside this file asks for the version. Tried on 3.4.1, 4.3.2 and 5.2.2.
 """
 from __future__ import annotations
 
+import math
 import os
 from typing import Any, Iterable, Iterator
 
@@ -342,13 +343,15 @@ def _allow_crease_3(mesh: bpy.types.Mesh) -> None:
 def copy_smoothing(source: bpy.types.Mesh, target: bpy.types.Mesh) -> None:
     """Auto Smooth was a switch of the mesh until 4.1; later it is a modifier of the object."""
     if HAS_AUTO_SMOOTH:
-        target.use_auto_smooth = source.use_auto_smooth
-        target.auto_smooth_angle = source.auto_smooth_angle
+        target.use_auto_smooth, target.auto_smooth_angle = smoothing(source)
 
 
 def smoothing(mesh: bpy.types.Mesh) -> tuple:
-    """What copy_smoothing() copies, for comparing."""
-    return (mesh.use_auto_smooth, mesh.auto_smooth_angle) if HAS_AUTO_SMOOTH else ()
+    """What copy_smoothing() copies, for comparing. Where a mesh has custom normals Blender leaves its angle out, so
+    what is without them must not have it: skin of an import from glTF was full of flat faces."""
+    if not HAS_AUTO_SMOOTH:
+        return ()
+    return mesh.use_auto_smooth, math.pi if mesh.has_custom_normals else mesh.auto_smooth_angle
 
 
 def has_custom_normals(mesh: bpy.types.Mesh) -> bool:

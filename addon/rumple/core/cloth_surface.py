@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from ..native import kernels
-from . import skin_parts, solid_parts
+from . import capped_parts, skin_parts, solid_parts
 from .base_mesh import BaseMesh
 from .body import OwnSkin
 from .connected import border_sides
@@ -44,12 +44,12 @@ def without_rigid_parts(base: BaseMesh, weld: bool, small: bool = True) -> BaseM
         return base
     places = places_of(base.positions) if weld else np.arange(len(base.positions))
     parts = connected_parts(base, _cut_apart(base, places))
-    chosen = skin = stays = np.zeros(int(parts.max(initial=-1)) + 1, bool)
+    chosen = skin = stays = capped = np.zeros(int(parts.max(initial=-1)) + 1, bool)
     if small and len(np.unique(parts[base.corner_vertex])) > 1:
         chosen = _rigid(base, parts, places)
         measured = skin_parts.measured(base, parts, places, len(chosen))
-        skin = skin_parts.find_skin(base, measured, parts, chosen)
-        solid = solid_parts.find_solid(measured, chosen | skin)
+        skin, shoes, capped = skin_parts.find_skin(base, measured, parts, chosen)
+        solid = shoes | solid_parts.find_solid(measured, chosen | skin | shoes | capped)
         chosen |= skin | solid
         stays = skin | (solid & ~solid_parts.lies_on_cloth(base, measured, parts, solid, chosen))
     painted = _painted(base, parts, chosen)
@@ -59,7 +59,13 @@ def without_rigid_parts(base: BaseMesh, weld: bool, small: bool = True) -> BaseM
         chosen[part_of_polygon[doubled.lies_on]] = False
     if not chosen.any():
         return base
-    is_rigid = chosen[part_of_polygon]
+    is_rigid, garments = chosen[part_of_polygon], capped & ~chosen
+    caps = capped_parts.find_caps(base, parts, places, garments, skin | garments)
+    if caps.any():  # parts of their own, which ride on the cloth
+        corner_cap = np.repeat(caps, np.diff(base.polygon_start))
+        parts, skin, stays = parts.copy(), *(np.append(of, np.zeros(caps.max(), bool)) for of in (skin, stays))
+        parts[base.corner_vertex[corner_cap > 0]] = len(chosen) + corner_cap[corner_cap > 0] - 1
+        is_rigid |= caps > 0
     corner_is_rigid = np.repeat(is_rigid, np.diff(base.polygon_start))
     return replace(base.only(~is_rigid), rigid=_taken(base, parts, skin, stays, is_rigid, corner_is_rigid))
 

@@ -2,9 +2,12 @@
 """What of a mesh hangs together. Never imports bpy."""
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
-from .base_mesh import BaseMesh
+if TYPE_CHECKING:
+    from .base_mesh import BaseMesh
 
 
 def places(positions: np.ndarray) -> np.ndarray:

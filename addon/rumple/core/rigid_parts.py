@@ -9,11 +9,14 @@ import numpy as np
 
 from ..native import kernels
 from .body import OwnSkin
+from .connected import places
 from .frame_result import Attribute, FrameResult
+from .samples import nearest_of
 from .triangles import columnwise, corner_weights, frames_of, rowwise
 
 FAR = 0.02  # of the diagonal of the cloth: what is so far from the cloth is not fixed to it
 FEWEST_ANCHORS, MOST_ANCHORS = 8, 64
+FEWEST_ON_SEAM = 3  # that hold it
 
 
 @dataclass(frozen=True)
@@ -55,9 +58,14 @@ class AttachedParts:
         """positions: (n, 3) float32 of the coarse mesh at rest. size: diagonal of the cloth. shown: of the cloth."""
         self.parts = parts
         cloth = np.unique(shown.corner_vertex)
-        rest = shown.positions_rest[cloth]
-        found = [cloth[:0] if stays else cloth[_anchors(positions[parts.vertex[parts.part == part]], rest, size)]
-                 for part, stays in enumerate(parts.stays)]
+        rest, place = shown.positions_rest[cloth], places(positions)
+        on_seam = np.isin(place[parts.vertex], place[np.unique(shown.triangle_vertex[cloth])])
+        found = []
+        for part, stays in enumerate(parts.stays):
+            own = parts.part == part
+            seam = positions[parts.vertex[own & on_seam]]
+            found.append(cloth[:0] if stays else cloth[_around(seam, rest)] if len(seam) >= FEWEST_ON_SEAM else
+                         cloth[_anchors(positions[parts.vertex[own]], rest, size)])
         self._starts = np.cumsum([0, *(len(anchors) for anchors in found)], dtype=np.int32)
         self._anchors = np.concatenate(found)
         self._corners = shown.triangle_vertex[self._anchors]
@@ -102,6 +110,12 @@ class AttachedParts:
         """Frames of the anchors' triangles, and the anchors' points on them."""
         corner = positions[self._corners]
         return frames_of(positions, self._corners), (self._weights * corner).sum(1)
+
+
+def _around(seam: np.ndarray, cloth: np.ndarray) -> np.ndarray:
+    """The rows of the cloth that a part is fixed to which was cut from it, as a cap is: all along the cut."""
+    some = seam[np.linspace(0, len(seam) - 1, min(len(seam), MOST_ANCHORS)).astype(int)]
+    return np.unique(nearest_of(some, cloth, np.arange(len(cloth)))[0])
 
 
 def _anchors(part: np.ndarray, cloth: np.ndarray, size: float) -> np.ndarray:

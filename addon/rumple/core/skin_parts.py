@@ -1,15 +1,20 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Skin in the mesh of its clothes, as characters of games have it: head, arms and feet, or a whole body, and the hair
-on it. It is no cloth: it stays where it is animated, and cloth stays outside of it. Never imports bpy.
+on it. It is no cloth: it stays where it is animated, and cloth stays outside of it. Nor are the shoes. Never imports
+bpy.
 """
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
 from .base_mesh import BaseMesh
+from .capped_parts import ends_in
 from .connected import border_sides, lowest_connected
+from .samples import MOST, lengths, nearest_of, sample_of, samples_of
+from .triangles import area_vectors, vertex_normals
 
 OPENING = 1.0 / 110.0  # radius over the diagonal of the mesh: smaller borders are of eyes, mouths and eyelets
 GARMENT, HAND = 0.15, 0.08  # of that diagonal: no garment is smaller, and no skin but what is on skin
@@ -17,10 +22,11 @@ NEAR, UNDER = 0.05, 0.5  # of that diagonal; of a border: it ends under other pa
 FLAT = 0.3  # of its area: as much of a sheet looks one way, 0.4 and more; of a head 0.23, of an arm 0.05
 THICK = 0.015  # volume over area^1.5: a body has 0.03, an arm 0.06, a jacket with an inside 0.008
 LEAST_AREA = 0.03  # of the mesh: with less skin it is a garment with a hat or a shoe
-SAMPLES, OF_BORDER = 2000, 12  # vertices at most of anything near, and of a border, that are looked at
+OF_BORDER = 12  # vertices at most of a border that are looked at
 OF_PARTS, LEAST_OF_PART, MOST_OF_PART = 20_000, 4, 64  # vertices of all parts that may lie on skin, and of one of them
 MOST_PARTS = 64  # the largest that are asked whether they are skin
 WHOLE = 0.75  # of that diagonal: what has no opening is no smaller, or it is a bag
+CAPPED, ENDS_IN_IT = 0.3, 2  # of that diagonal, and borders of others that end in it: a garment with caps
 
 
 @dataclass
@@ -35,24 +41,36 @@ class Parts:
     openings: list[list[np.ndarray]]  # vertices of each open border that is no eyelet
 
 
-def find_skin(base: BaseMesh, found: Parts, part: np.ndarray, small: np.ndarray) -> np.ndarray:
-    """(parts,) bool. found: of measured(). part: (n,) of the vertices, as connected.py has them. small: (parts,) bool
-    of those that are rigid because they are small. None is skin where no part is a garment. Cost: about 0.2 s for
-    50,000 vertices, less where none is skin."""
-    whole = found.whole
+class Dressed(NamedTuple):
+    """What is what in a body and its clothes; none of it in a mesh without skin, or without a garment."""
+
+    skin: np.ndarray  # (parts,) bool
+    shoes: np.ndarray  # (parts,) bool: what has a body's shape, and is neither skin nor a garment
+    capped: np.ndarray  # (parts,) bool: garments whose openings are closed
+
+
+def find_skin(base: BaseMesh, found: Parts, part: np.ndarray, small: np.ndarray) -> Dressed:
+    """found: of measured(). part: (n,) of the vertices, as connected.py has them. small: (parts,) bool of those that
+    are rigid because they are small. Cost: about 0.2 s for 50,000 vertices, less where none is skin."""
+    whole, none = found.whole, np.zeros(len(small), bool)
     openings = np.array([len(borders) for borders in found.openings])
     counts = (found.area > 0.0) & ~small
     wide = counts & (openings > 1) & (found.diagonal >= GARMENT * whole)
+    capped = counts & (openings < 2) & (found.diagonal >= CAPPED * whole)
     bodily = counts & (openings < 3) & (found.flat < FLAT) & (found.thick > THICK) & (found.diagonal >= HAND * whole)
-    if counts.sum() < 2 or not wide.any() or not bodily.any():
-        return np.zeros(len(small), bool)
-    bodily &= (openings > 0) | (found.diagonal >= WHOLE * whole)
-    bodily[np.argsort(np.where(bodily, -found.area, 0.0), kind="stable")[MOST_PARTS:]] = False
-    skin = _ends_under(base, found.openings, bodily, samples_of(part, counts), NEAR * whole)
-    garment = wide & ~skin
+    if counts.sum() < 2 or not (wide | capped).any() or not bodily.any():
+        return Dressed(none, none, none)
+    asked = bodily & ((openings > 0) | (found.diagonal >= WHOLE * whole))
+    asked[np.argsort(np.where(asked, -found.area, 0.0), kind="stable")[MOST_PARTS:]] = False
+    ends = [(number, sample_of(border, OF_BORDER)) for number in np.flatnonzero(asked).tolist()
+            for border in found.openings[number]]
+    capped[capped] = ends_in(base, ends, part, np.flatnonzero(capped)).sum(axis=0) >= ENDS_IN_IT
+    skin = _ends_under(base, found.openings, asked & ~capped, samples_of(part, counts), NEAR * whole)
+    garment = (wide & ~skin) | capped
     if not garment.any() or not found.area[skin].sum() > LEAST_AREA * found.area.sum():
-        return np.zeros(len(small), bool)
-    return skin | _lies_on_skin(base.positions, part, counts & ~skin & ~garment, skin, garment)
+        return Dressed(none, none, none)
+    skin |= _lies_on_skin(base.positions, part, counts & ~skin & ~garment, skin, garment)
+    return Dressed(skin, bodily & (openings < 2) & ~skin & ~garment, capped)
 
 
 def _ends_under(base: BaseMesh, openings: list[list[np.ndarray]], asked: np.ndarray, samples: dict[int, np.ndarray],
@@ -60,8 +78,7 @@ def _ends_under(base: BaseMesh, openings: list[list[np.ndarray]], asked: np.ndar
     """(parts,) bool: whether a part is asked about, and all its borders end under others. Skin does, as cloth ends over
     it. samples: of the vertices of each part."""
     ends = np.zeros(len(asked), bool)
-    normals = np.zeros((len(base.positions), 3))
-    np.add.at(normals, base.triangles, _halves(base)[:, None])
+    normals = vertex_normals(base.positions, base.triangles)
     every = np.concatenate(list(samples.values()))
     of = np.repeat(list(samples), [len(own) for own in samples.values()])
     for number in np.flatnonzero(asked):
@@ -76,7 +93,7 @@ def _ends_under(base: BaseMesh, openings: list[list[np.ndarray]], asked: np.ndar
 def _is_under(positions: np.ndarray, normals: np.ndarray, border: np.ndarray, others: np.ndarray, near: float) -> bool:
     if not len(others):
         return False
-    nearest, distance = nearest_of(positions, border, others)
+    nearest, distance = nearest_of(positions[border], positions, others)
     above = ((positions[nearest] - positions[border]) * normals[border]).sum(1) > 0.0
     return bool((above & (distance < near)).mean() >= UNDER)
 
@@ -84,12 +101,12 @@ def _is_under(positions: np.ndarray, normals: np.ndarray, border: np.ndarray, ot
 def _lies_on_skin(positions: np.ndarray, part: np.ndarray, asked: np.ndarray, skin: np.ndarray,
                   garment: np.ndarray) -> np.ndarray:
     """(parts,) bool: whether a part is asked about, and nearer to skin than to garments."""
-    to_skin, to_garment = (sample_of(np.flatnonzero(chosen[part]), SAMPLES) for chosen in (skin, garment))
+    to_skin, to_garment = (sample_of(np.flatnonzero(chosen[part]), MOST) for chosen in (skin, garment))
     nearer = np.zeros(len(asked), bool)
     most = min(max(OF_PARTS // max(int(asked.sum()), 1), LEAST_OF_PART), MOST_OF_PART)
     for number, vertices in samples_of(part, asked).items():
         own = sample_of(vertices, most)
-        skin_away, garment_away = (nearest_of(positions, own, to)[1].mean() for to in (to_skin, to_garment))
+        skin_away, garment_away = (nearest_of(positions[own], positions, to)[1].mean() for to in (to_skin, to_garment))
         nearer[number] = skin_away < garment_away
     return nearer
 
@@ -97,31 +114,25 @@ def _lies_on_skin(positions: np.ndarray, part: np.ndarray, asked: np.ndarray, sk
 def measured(base: BaseMesh, part: np.ndarray, place: np.ndarray, count: int) -> Parts:
     """Of a mesh with faces. part, place: (n,) of the vertices, as connected.py has them. Cost: about 0.1 s for 50,000
     vertices."""
-    whole = float(_lengths(np.ptp(base.positions[base.corner_vertex], axis=0)[None])[0])
+    whole = float(lengths(np.ptp(base.positions[base.corner_vertex], axis=0)[None])[0])
     low, high = np.full((count, 3), np.inf), np.full((count, 3), -np.inf)
     np.minimum.at(low, part, base.positions)
     np.maximum.at(high, part, base.positions)
-    half = _halves(base)
+    half = area_vectors(base.positions, base.triangles)
     of = part[base.triangles[:, 0]]
-    area = np.bincount(of, _lengths(half), count)
+    area = np.bincount(of, lengths(half), count)
     openings: list[list[np.ndarray]] = [[] for _ in range(count)]
     middle = np.zeros((count, 3))
     for border in _borders(base, place):
         points = base.positions[border].astype(np.float64)
         centre = points.mean(0)
-        if _lengths(points - centre).mean() >= OPENING * whole:
+        if lengths(points - centre).mean() >= OPENING * whole:
             openings[part[border[0]]].append(border)
             middle[part[border[0]]] = centre
     volume = np.bincount(of, ((base.positions[base.triangles[:, 0]] - middle[of]) * half).sum(1) / 3.0, count)
     some = np.maximum(area, 1e-30)
     one_way = np.stack([np.bincount(of, half[:, k], count) for k in range(3)], axis=1)
-    return Parts(whole, _lengths(high - low), area, _lengths(one_way) / some, np.abs(volume) / some ** 1.5, openings)
-
-
-def _halves(base: BaseMesh) -> np.ndarray:
-    """(t, 3) float64: the areas of the triangles, as vectors along their normals."""
-    a, b, c = (base.positions[base.triangles[:, k]].astype(np.float64) for k in range(3))
-    return 0.5 * np.cross(b - a, c - a)
+    return Parts(whole, lengths(high - low), area, lengths(one_way) / some, np.abs(volume) / some ** 1.5, openings)
 
 
 def _borders(base: BaseMesh, place: np.ndarray) -> list[np.ndarray]:
@@ -134,26 +145,3 @@ def _borders(base: BaseMesh, place: np.ndarray) -> list[np.ndarray]:
     of = loop[place[vertices]]
     order = np.argsort(of, kind="stable")
     return np.split(vertices[order], np.flatnonzero(np.diff(of[order])) + 1)
-
-
-def nearest_of(positions: np.ndarray, vertices: np.ndarray, others: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """For each vertex the nearest of others, and how far away it is."""
-    squared = ((positions[vertices][:, None].astype(np.float64) - positions[others][None]) ** 2).sum(2)
-    row = squared.argmin(1)
-    return others[row], np.sqrt(squared[np.arange(len(vertices)), row])
-
-
-def samples_of(part: np.ndarray, chosen: np.ndarray) -> dict[int, np.ndarray]:
-    """Vertices of each of the chosen parts, by its number."""
-    order = np.flatnonzero(chosen[part])
-    order = order[np.argsort(part[order], kind="stable")]
-    numbers, first = np.unique(part[order], return_index=True)
-    return {int(number): sample_of(own, SAMPLES) for number, own in zip(numbers, np.split(order, first[1:]))}
-
-
-def sample_of(vertices: np.ndarray, most: int) -> np.ndarray:
-    return vertices[np.linspace(0, len(vertices) - 1, min(most, len(vertices))).astype(int)]
-
-
-def _lengths(vectors: np.ndarray) -> np.ndarray:
-    return np.sqrt((vectors.astype(np.float64) ** 2).sum(1))

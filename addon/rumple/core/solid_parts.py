@@ -7,7 +7,8 @@ from __future__ import annotations
 import numpy as np
 
 from .base_mesh import BaseMesh
-from .skin_parts import NEAR, Parts, nearest_of, sample_of, samples_of
+from .samples import nearest_of, sample_of, samples_of
+from .skin_parts import NEAR, Parts
 
 SOLID = 0.04  # least volume over area^1.5: a cube has 0.068, a flat pouch 0.043, a body 0.03, a padded jacket 0.008
 MOST_SIZE = 0.45  # of the diagonal of the mesh
@@ -32,6 +33,6 @@ def lies_on_cloth(base: BaseMesh, found: Parts, part: np.ndarray, solid: np.ndar
     has_faces = np.unique(base.corner_vertex)
     cloth = sample_of(has_faces[~rigid[part[has_faces]]], OF_CLOTH)
     for number, vertices in samples_of(part, solid).items():
-        distance = nearest_of(base.positions, sample_of(vertices, SAMPLES), cloth)[1]
+        distance = nearest_of(base.positions[sample_of(vertices, SAMPLES)], base.positions, cloth)[1]
         lying[number] = (distance <= NEAR * found.whole).mean() >= LYING
     return lying

@@ -1,0 +1,35 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Some vertices that stand for many, and which of others are near. Never imports bpy."""
+from __future__ import annotations
+
+import numpy as np
+
+from .triangles import PAIRS_AT_ONCE
+
+MOST = 2000  # vertices of a part that stand for it
+
+
+def nearest_of(points: np.ndarray, positions: np.ndarray, others: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """For each point (k, 3) the nearest of some vertices of positions (n, 3), and how far away it is."""
+    rows, distances = [], []
+    for some in np.array_split(points.astype(np.float64), len(points) * len(others) // PAIRS_AT_ONCE + 1):
+        squared = ((some[:, None] - positions[others][None]) ** 2).sum(2)
+        rows.append(squared.argmin(1))
+        distances.append(np.sqrt(squared.min(1)))
+    return others[np.concatenate(rows)], np.concatenate(distances)
+
+
+def samples_of(part: np.ndarray, chosen: np.ndarray) -> dict[int, np.ndarray]:
+    """Vertices of each of the chosen parts, by its number."""
+    order = np.flatnonzero(chosen[part])
+    order = order[np.argsort(part[order], kind="stable")]
+    numbers, first = np.unique(part[order], return_index=True)
+    return {int(number): sample_of(own, MOST) for number, own in zip(numbers, np.split(order, first[1:]))}
+
+
+def sample_of(vertices: np.ndarray, most: int) -> np.ndarray:
+    return vertices[np.linspace(0, len(vertices) - 1, min(most, len(vertices))).astype(int)]
+
+
+def lengths(vectors: np.ndarray) -> np.ndarray:
+    return np.sqrt((vectors.astype(np.float64) ** 2).sum(-1))
