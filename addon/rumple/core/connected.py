@@ -59,3 +59,15 @@ def border_sides(base: BaseMesh, place: np.ndarray) -> np.ndarray:
     ends = np.sort(place[sides].astype(np.int64), axis=1)
     _, first, uses = np.unique(ends[:, 0] * len(place) + ends[:, 1], return_index=True, return_counts=True)
     return sides[first[uses == 1]]
+
+
+def borders(base: BaseMesh, place: np.ndarray) -> list[np.ndarray]:
+    """The vertices of every open border, ascending. place: as places() has them."""
+    border = border_sides(base, place)
+    if not len(border):
+        return []
+    loop = lowest_connected(np.arange(int(place.max()) + 1), place[border[:, 0]], place[border[:, 1]])
+    vertices = np.unique(border)
+    of = loop[place[vertices]]
+    order = np.argsort(of, kind="stable")
+    return np.split(vertices[order], np.flatnonzero(np.diff(of[order])) + 1)

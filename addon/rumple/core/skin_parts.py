@@ -12,7 +12,7 @@ import numpy as np
 
 from .base_mesh import BaseMesh
 from .capped_parts import ends_in
-from .connected import border_sides, lowest_connected
+from .connected import borders
 from .samples import MOST, lengths, nearest_of, sample_of, samples_of
 from .triangles import area_vectors, vertex_normals
 
@@ -123,7 +123,7 @@ def measured(base: BaseMesh, part: np.ndarray, place: np.ndarray, count: int) ->
     area = np.bincount(of, lengths(half), count)
     openings: list[list[np.ndarray]] = [[] for _ in range(count)]
     middle = np.zeros((count, 3))
-    for border in _borders(base, place):
+    for border in borders(base, place):
         points = base.positions[border].astype(np.float64)
         centre = points.mean(0)
         if lengths(points - centre).mean() >= OPENING * whole:
@@ -133,15 +133,3 @@ def measured(base: BaseMesh, part: np.ndarray, place: np.ndarray, count: int) ->
     some = np.maximum(area, 1e-30)
     one_way = np.stack([np.bincount(of, half[:, k], count) for k in range(3)], axis=1)
     return Parts(whole, lengths(high - low), area, lengths(one_way) / some, np.abs(volume) / some ** 1.5, openings)
-
-
-def _borders(base: BaseMesh, place: np.ndarray) -> list[np.ndarray]:
-    """The vertices of every open border."""
-    border = border_sides(base, place)
-    if not len(border):
-        return []
-    loop = lowest_connected(np.arange(int(place.max()) + 1), place[border[:, 0]], place[border[:, 1]])
-    vertices = np.unique(border)
-    of = loop[place[vertices]]
-    order = np.argsort(of, kind="stable")
-    return np.split(vertices[order], np.flatnonzero(np.diff(of[order])) + 1)

@@ -16,7 +16,7 @@ namespace {
 // none covers the other.
 constexpr float kTogether = 1.0f / 300.0f;
 
-// Share of its overlap with the border below by which a hem may leave its place.
+// Share of its overlap with the border below by which a hem may leave its place. The border has the rest.
 constexpr float kOfOverlap = 0.7f;
 
 // Radius over the garment's diagonal: smaller borders are of buttons, buckles and eyelets.
@@ -103,8 +103,13 @@ std::vector<float> room_over_parts(const Surface& surface, const Hems& hems,
         const Index covering = hems.part[welded_vertices(surface, place.triangle)[0]];
         const Hems::Hem* hem = hem_over(hems, covering, above, rest);
         if (!hem) continue;
-        for (const Index h : hem->vertices)
-            of_hem[h] = std::min(of_hem[h], kOfOverlap * glm::distance(above, rest[h]));
+        float overlap = kFar;
+        for (const Index h : hem->vertices) {
+            const float distance = glm::distance(above, rest[h]);
+            of_hem[h] = std::min(of_hem[h], kOfOverlap * distance);
+            overlap = std::min(overlap, distance);
+        }
+        of_hem[v] = std::min(of_hem[v], (1.0f - kOfOverlap) * overlap);
     }
     return room_behind(surface, hems, of_hem, kFar);
 }

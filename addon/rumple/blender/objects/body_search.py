@@ -43,6 +43,10 @@ class WornOver:
     is_body: bool  # clothes that are no larger lie over it, and it is not worn over anything that is no smaller
     trees: dict[bpy.types.Object, BVHTree]  # of tree_of(), of what was looked at
 
+    def trees_over(self) -> dict[bpy.types.Object, BVHTree]:
+        """Of what may lie over it."""
+        return {other: tree for other, tree in self.trees.items() if other not in (self.body, *self.garments)}
+
 
 def find(obj: bpy.types.Object, scene: bpy.types.Scene) -> WornOver:
     """The object that shares the armature of a garment and lies under most of it, and the clothes that reach under it.

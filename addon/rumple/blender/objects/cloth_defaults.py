@@ -43,7 +43,7 @@ def defaults(obj: bpy.types.Object, scene: bpy.types.Scene, sheet: bool = False)
         return SIMULATED_DEFAULTS.get(method, {})
     if not is_skinned(obj):
         return {}
-    base = _cloth_at_rest(obj)
+    base = cloth_at_rest(obj)
     if not len(base.triangle_corner):
         return {}
     if not sheet and not wrinkle_mesh.suits_cloth(base):
@@ -63,12 +63,12 @@ def is_sheet(obj: bpy.types.Object, body: bpy.types.Object | None) -> bool:
         return False
     into = np.array(obj.matrix_world.inverted_safe() @ body.matrix_world, np.float32)
     wearer = transforms.placed(into, mesh_reader.basis_positions(body.data))
-    return flared.is_sheet(_cloth_at_rest(obj), wearer)
+    return flared.is_sheet(cloth_at_rest(obj), wearer)
 
 
 def is_skirt(obj: bpy.types.Object) -> bool:
     """Whether it has two openings, and the lower one is far wider."""
-    return flared.is_flared(_cloth_at_rest(obj), _turn(obj)[2])
+    return flared.is_flared(cloth_at_rest(obj), _turn(obj)[2])
 
 
 def has_inner_side(obj: bpy.types.Object) -> bool:
@@ -77,7 +77,7 @@ def has_inner_side(obj: bpy.types.Object) -> bool:
     return outer_side.without_inner_side(base) is not base
 
 
-def _cloth_at_rest(obj: bpy.types.Object) -> BaseMesh:
+def cloth_at_rest(obj: bpy.types.Object) -> BaseMesh:
     """Of a Wrinkle Mesh without an inner side; the other systems are solved on the mesh as it is."""
     base = mesh_reader.base_mesh(obj, "REST_POSE", "")
     return outer_side.without_inner_side(base) if obj.rumple.method == "MESH" else base
@@ -120,6 +120,11 @@ def follow_weights(obj: bpy.types.Object) -> np.ndarray | None:
         return None
     settings = properties.settings_of(obj, units.scene_of(obj))
     weights = np.round(fine.suggested_follow(settings) * STEPS) / STEPS
-    if not incoming_mesh.is_own(obj):  # of what modifiers in front made, to the vertices that are painted
-        weights = weights[_nearest(compat.positions(incoming_mesh.of(obj)), compat.positions(obj.data))]
-    return weights.astype(np.float32)
+    return on_own_vertices(obj, weights).astype(np.float32)
+
+
+def on_own_vertices(obj: bpy.types.Object, weights: np.ndarray) -> np.ndarray:
+    """Of what modifiers in front made, (m,), to the vertices that are painted, (n,)."""
+    if incoming_mesh.is_own(obj):
+        return weights
+    return weights[_nearest(compat.positions(incoming_mesh.of(obj)), compat.positions(obj.data))]

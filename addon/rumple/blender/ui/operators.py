@@ -17,7 +17,7 @@ from ..maps import rebuild as maps_rebuild
 from ..nodes import field_shader, wrinkle_tree
 from ..objects import (bodies, body_search, cloth_defaults, free_parts, incoming_mesh, made_collections,
                        mesh_reader, modifier, posed_coarse, properties, rig_scale, runtimes, stack_notes,
-                       subdivision_behind)
+                       subdivision_behind, tucked_hems)
 from ..translation import said
 from . import fabrics, thumbnails
 
@@ -163,6 +163,7 @@ class OBJECT_OT_rumple_add(bpy.types.Operator):
         if cloth_defaults.is_cloth(obj):
             self._set_bodies(obj, worn_over)
             free_parts.give_room(obj, context.scene, worn_over.trees, is_sheet, "room" not in lengths)
+            tucked_hems.paint(obj, context.scene, worn_over.trees_over(), is_sheet)
         self._adjust(context, obj)
         if cloth_defaults.is_cloth(obj) or worn_over.body is None or properties.group_of(obj).is_property_set(
                 "base_cloth"):

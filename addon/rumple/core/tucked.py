@@ -1,0 +1,18 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Hems that are tucked in: a shirt in trousers, a leg in a boot. They are held as a cuff is. Never imports bpy."""
+from __future__ import annotations
+
+import numpy as np
+
+from .samples import nearest_of
+
+FADE = 0.07  # of the garment's diagonal: over this distance the hold fades out, as that of a cuff (native/.../pins.cpp)
+LEAST_SHARE = 0.3  # of a border: with less it is only touched by what lies over it
+
+
+def held(follow: np.ndarray, positions: np.ndarray, tucked: np.ndarray) -> np.ndarray:
+    """(n,) float32: how firmly each vertex follows the animation, 1 where it is tucked in. follow: (n,), before.
+    positions: (n, 3) at rest; tucked: vertices."""
+    fade = FADE * float(np.sqrt((np.ptp(positions, axis=0) ** 2).sum()))
+    share = np.clip(1.0 - nearest_of(positions, positions, tucked)[1] / fade, 0.0, 1.0)
+    return np.maximum(follow, share * share * (3.0 - 2.0 * share)).astype(np.float32)
