@@ -7,6 +7,7 @@ import numpy as np
 from .samples import nearest_of
 
 FADE = 0.07  # of the garment's diagonal: over this distance the hold fades out, as that of a cuff (native/.../pins.cpp)
+HELD = 0.9  # of a hem that follows so firmly nothing comes out
 LEAST_SHARE = 0.3  # of a border: with less it is only touched by what lies over it
 
 

@@ -23,9 +23,9 @@ STEPS = 20.0  # of the weights
 
 
 def paint(obj: bpy.types.Object, scene: bpy.types.Scene, trees: dict[bpy.types.Object, BVHTree], sheet: bool) -> None:
-    """Paint Pinned where a hem is tucked in, and elsewhere what is pinned without the map. What was painted stays;
-    sheets and skirts are not tucked in. trees: of body_search.tree_of(), of what may lie over it. Cost: 20 ms for 1,000
-    vertices of borders."""
+    """Paint Pinned where a hem is tucked in, and elsewhere what is pinned without the map; nothing where all that is
+    tucked in is pinned without it. What was painted stays; sheets and skirts are not tucked in. trees: of
+    body_search.tree_of(), of what may lie over it. Cost: 20 ms for 1,000 vertices of borders."""
     painted, settings = painted_maps.find(obj, "follow"), properties.group_of(obj)
     if painted is None or painted.exists or not trees or sheet or settings.base_cloth == "OFF":
         return
@@ -34,11 +34,11 @@ def paint(obj: bpy.types.Object, scene: bpy.types.Scene, trees: dict[bpy.types.O
     try:
         base = cloth_defaults.cloth_at_rest(obj).healed(True)
         hidden = _tucked(obj, base, trees, scene)
-        if not len(hidden):
-            return
-        follow = suggested_follow(base.surface(True), settings.up)
+        follow = suggested_follow(base.surface(True), settings.up) if len(hidden) else np.zeros(0)
     except UserError:
         return  # what is wrong with it is said where it is built
+    if not (follow[hidden] < tucked.HELD).any():
+        return  # a waistband under a shirt
     weights = tucked.held(follow, base.positions, hidden)[:base.own_origin().vertex_count]
     weights = cloth_defaults.on_own_vertices(obj, np.round(weights * STEPS) / STEPS)
     painted_maps.write(obj, painted, weights.astype(np.float32))
