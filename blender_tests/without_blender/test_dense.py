@@ -106,6 +106,14 @@ class Dense(unittest.TestCase):
         self.assertIsNotNone(mesh.coarse)
         self.assertGreaterEqual(mesh.vertex_count, len(base.positions))
 
+    def test_folds_become_no_finer_than_the_most_vertices_allow(self) -> None:
+        """A coarse mesh has triangles: of as many vertices half as many more come. The build was refused."""
+        for most in (9_000, 12_000, 15_000, 20_000, 30_000, 50_000):
+            mesh = WrinkleMesh.build(self.base, replace(self.settings, wavelength=0.01), most_vertices=most)
+            self.assertIsNotNone(mesh.coarse)
+            self.assertLessEqual(max(mesh.solve_vertex_count, mesh.vertex_count), most)
+            self.assertEqual(len([note for note in mesh.warnings if "raise Most Vertices" in note]), 1, most)
+
     def test_it_stays_out_of_a_body(self) -> None:
         inner = sleeve(40, 31)
         inner.positions[:, :2] *= 0.95

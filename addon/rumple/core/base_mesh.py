@@ -132,9 +132,12 @@ class BaseMesh:
         """How often it is subdivided for edges of about `longest` metres. unit_scale: metres per object unit."""
         return min(math.ceil(math.log2(max(self.mean_edge() * unit_scale / longest, 1.0))), MOST_LEVEL)
 
-    def level_within(self, level: int, steps: int, most_vertices: int) -> tuple[int, list[str]]:
-        """Of affordable_level(): as many subdivisions as are asked for, or fewer, and what to say then."""
-        affordable = affordable_level(len(self.corner_vertex) // 4, level, steps, most_vertices)
+    def level_within(self, level: int, steps: int, most_vertices: int,
+                     corners: int | None = None) -> tuple[int, list[str]]:
+        """Of affordable_level(): as many subdivisions as are asked for, or fewer, and what to say then. corners: of the
+        polygons that are subdivided; None: its own."""
+        affordable = affordable_level((len(self.corner_vertex) if corners is None else corners) // 4, level, steps,
+                                      most_vertices)
         return affordable, [] if affordable == level else [
             f"{self.name}: finer folds are asked for than {most_vertices:,} vertices allow: {RAISE_MOST}"]
 

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from ..native import kernels
-from .base_mesh import BaseMesh, affordable_level
+from .base_mesh import BaseMesh
 from .body import Body
 from .cloth import bend_radius, size_factor
 from .cloth_settings import ClothSettings, direction_of, nearest_up
@@ -210,11 +210,10 @@ class WrinkleMesh(Wrinkles):
         if settings.density == "WAVELENGTH":
             whole, share = layers_for(edge, settings.wavelength)
             asked, _ = layers_for(edge, settings.wavelength * base.narrowest)
-            if coarse is None:
-                level, notes = base.level_within(asked, settings.display_steps, most_vertices)
-                warnings += notes
-            else:
-                level = affordable_level(coarse.surface.vertex_count, asked, 0, most_vertices)
+            corners = None if coarse is None else 3 * coarse.surface.triangle_count
+            level, notes = base.level_within(asked, settings.display_steps if coarse is None else 0, most_vertices,
+                                             corners)
+            warnings += notes
             share = share if level >= whole else 1.0
         try:
             model = kernels.build_wrinkle_layers(surface if coarse is None else coarse.surface, level,
@@ -246,7 +245,7 @@ class WrinkleMesh(Wrinkles):
             steps = round(halvings(edge, settings.wavelength * self.base.narrowest))
         steps += settings.display_steps
         steps, notes = self.base.level_within(max(steps, 0), 0, most_vertices)
-        self.warnings += notes
+        self.warnings += [note for note in notes if note not in self.warnings]
         level = max(steps - settings.display_steps, 0)
         self.coarse, self.solved_surface = coarse, coarse.surface
         build = functools.partial(kernels.build_wrinkle_transfer, self.surface, coarse, self.model, level,
