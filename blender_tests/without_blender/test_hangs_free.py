@@ -24,12 +24,21 @@ class Maps(unittest.TestCase):
 
     def test_what_is_not_known_is_taken_from_beside_it(self) -> None:
         share = np.array((0, 0, np.nan, 0, 0, 1, np.nan, 1, 1, 1.0))
-        even = hangs_free.spread(share, CHAIN)
+        even = hangs_free.spread(share, CHAIN, np.arange(10))
         self.assertTrue((np.diff(even) >= 0.0).all())
         self.assertLess(even[2], 0.15)
         self.assertGreater(even[6], 0.6)
-        np.testing.assert_array_equal(hangs_free.spread(np.full(10, np.nan), CHAIN), 0.0)
-        np.testing.assert_allclose(hangs_free.spread(np.ones(11), CHAIN), 1.0)  # the last one is loose
+        np.testing.assert_array_equal(hangs_free.spread(np.full(10, np.nan), CHAIN, np.arange(10)), 0.0)
+        np.testing.assert_allclose(hangs_free.spread(np.ones(11), CHAIN, np.arange(11)), 1.0)  # the last one is loose
+
+    def test_it_is_taken_from_beyond_a_seam_that_is_cut(self) -> None:
+        """As the UV seams of a game's meshes are: of a strip of which nothing was known all was held."""
+        share = np.where(np.arange(10) < 5, np.nan, 1.0)
+        cut = np.insert(share, 4, np.nan)
+        edges = np.where(CHAIN > 4, CHAIN + 1, CHAIN)
+        edges[4] = 5, 6
+        place = np.insert(np.arange(10), 4, 4)
+        np.testing.assert_allclose(hangs_free.spread(cut, edges, place), 1.0)
 
     def test_room_grows_from_that_of_worn_cloth_to_that_of_free_cloth(self) -> None:
         free = np.array((0.0, 0.5, 1.0, 2.0), np.float32)

@@ -30,14 +30,14 @@ def share_of_sheet(rest: np.ndarray) -> np.ndarray:
     return smoothstep((below / diagonal - SHEET_HELD) / (SHEET_FREE - SHEET_HELD))
 
 
-def spread(share: np.ndarray, edges: np.ndarray) -> np.ndarray:
-    """(n,) 0..1, or NaN where nothing is known -> (n,) float32, smoothed along the mesh. edges: (m, 2). 0 where
-    nothing is known around."""
-    known = np.isfinite(share)
-    weight, value = known.astype(np.float64), np.where(known, share, 0.0).astype(np.float64)
+def spread(share: np.ndarray, edges: np.ndarray, place: np.ndarray) -> np.ndarray:
+    """(n,) 0..1, or NaN where nothing is known -> (n,) float32, smoothed along the mesh, over seams that are cut as
+    well. edges: (m, 2). place: of places(). 0 where nothing is known around."""
+    known, at_place = np.isfinite(share), np.bincount(place)
+    weight, value = (np.bincount(place, each) / at_place for each in (known, np.where(known, share, 0.0)))
     for _ in range(SPREADS):
-        weight, value = (0.5 * mine + 0.5 * _mean_beside(mine, edges) for mine in (weight, value))
-    return np.where(weight > 0.0, value / np.maximum(weight, 1e-12), 0.0).astype(np.float32)
+        weight, value = (0.5 * mine + 0.5 * _mean_beside(mine, place[edges]) for mine in (weight, value))
+    return np.where(weight > 0.0, value / np.maximum(weight, 1e-12), 0.0).astype(np.float32)[place]
 
 
 def _mean_beside(values: np.ndarray, edges: np.ndarray) -> np.ndarray:

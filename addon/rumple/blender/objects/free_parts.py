@@ -12,6 +12,7 @@ from mathutils.bvhtree import BVHTree
 
 from ...core import hangs_free, transforms
 from ...core.cloth import size_factor
+from ...core.connected import places
 from ...core.triangles import at_border
 from .. import compat
 from . import bodies, body_search, cloth_defaults, mesh_reader, painted_maps, properties, rig_scale
@@ -93,7 +94,8 @@ def _free_share(obj: bpy.types.Object, rest: np.ndarray, over: list[_Surface], m
     # Which side is the outer one is looked up for those that need it.
     if not any((share(sample, side) > 0.5).mean() >= hangs_free.LEAST_FREE for side in (1.0, -1.0)):
         return None
-    return hangs_free.spread(share(np.arange(len(rest)), body_search.side_of(obj)), compat.edge_vertices(obj.data))
+    return hangs_free.spread(share(np.arange(len(rest)), body_search.side_of(obj)), compat.edge_vertices(obj.data),
+                             places(rest))
 
 
 def _cloth_vertices(obj: bpy.types.Object) -> np.ndarray:
