@@ -325,6 +325,29 @@ class HangsFree(unittest.TestCase):
                 self.obj.vertex_groups.remove(self.obj.vertex_groups[GROUP])
                 self.obj.modifiers.remove(self.obj.modifiers["Front"])
 
+    def test_half_a_body_and_a_mirror_count_as_the_whole(self) -> None:
+        """Half of a skirt hung free: the other half of the body was not known."""
+        self.widen()
+        work = bmesh.new()
+        work.from_mesh(self.obj.data)
+        bmesh.ops.subdivide_edges(work, edges=work.edges[:], cuts=3, use_grid_fill=True)
+        work.to_mesh(self.obj.data)
+        work.free()
+        whole, body = self.click(), bpy.data.objects["Human"]
+        bpy.ops.object.rumple_remove()
+        self.obj.vertex_groups.remove(self.obj.vertex_groups[GROUP])
+        work = bmesh.new()
+        work.from_mesh(body.data)
+        bmesh.ops.delete(work, geom=[v for v in work.verts if v.co.y > 1e-5], context="VERTS")
+        work.to_mesh(body.data)
+        work.free()
+        body.modifiers.new("Mirror", "MIRROR").use_axis = (False, True, False)
+        compat.move_modifier(body, len(body.modifiers) - 1, 0)
+        meshes = sleeve.names(bpy.data.meshes)
+        np.testing.assert_allclose(self.click(), whole, atol=0.051)
+        bpy.ops.object.rumple_remove()
+        self.assertEqual(sleeve.names(bpy.data.meshes), meshes)
+
     def test_a_plain_sleeve_has_no_map(self) -> None:
         self.assertEqual(len(self.click()), 0)
 

@@ -48,6 +48,12 @@ class WornOver:
         return {other: tree for other, tree in self.trees.items() if other not in (self.body, *self.garments)}
 
 
+def candidates(obj: bpy.types.Object, scene: bpy.types.Scene) -> list[bpy.types.Object]:
+    """The meshes that share the armature of a garment."""
+    rigs = armatures(obj)
+    return [other for other in scene.objects if other != obj and rigs & armatures(other) and bodies.can_be_body(other)]
+
+
 def find(obj: bpy.types.Object, scene: bpy.types.Scene) -> WornOver:
     """The object that shares the armature of a garment and lies under most of it, and the clothes that reach under it.
     Who lies over whom is not told by the shares alone: where a body was deleted under its clothes, as much of either
@@ -55,12 +61,9 @@ def find(obj: bpy.types.Object, scene: bpy.types.Scene) -> WornOver:
 
     Cost: a tree of each candidate, about 2 ms per 1000 polygons.
     """
-    rigs = armatures(obj)
-    if not rigs or not is_finite(obj):
+    if not armatures(obj) or not is_finite(obj):
         return WornOver(None, [], False, {})
-    candidates = [other for other in scene.objects if other != obj and rigs & armatures(other)
-                  and bodies.can_be_body(other)]
-    trees = {other: tree_of(other) for other in candidates
+    trees = {other: tree_of(other) for other in candidates(obj, scene)
              if len(other.data.polygons) and is_finite(other)}
     cloth = functools.cache(_cloth)
     shares = {other: _share_over(cloth(obj), tree) for other, tree in trees.items()}

@@ -15,7 +15,7 @@ from ...core.cloth import size_factor
 from ...core.connected import places
 from ...core.triangles import at_border
 from .. import compat
-from . import bodies, body_search, cloth_defaults, mesh_reader, painted_maps, properties, rig_scale
+from . import bodies, body_search, cloth_defaults, incoming_mesh, mesh_reader, painted_maps, properties, rig_scale
 
 FARTHEST = 0.3  # metres, of a garment that an adult wears: what is farther does not tell
 UNDER = 0.5  # cosine between the inner side of the cloth and the way to the body, at least: it lies below, not beside
@@ -71,8 +71,9 @@ def paint(obj: bpy.types.Object, scene: bpy.types.Scene, trees: dict[bpy.types.O
 
 def _free_of_bodies(obj: bpy.types.Object, rest: np.ndarray, scene: bpy.types.Scene,
                     trees: dict[bpy.types.Object, BVHTree]) -> np.ndarray | None:
-    over = [_Surface.of(body, trees.get(body)) for body in bodies.of(obj)
-            if body != obj and body.type == "MESH" and len(body.data.polygons) and body_search.is_finite(body)]
+    found = [body for body in bodies.of(obj) if body != obj and body.type == "MESH" and len(body.data.polygons)]
+    with incoming_mesh.whole(found):
+        over = [_Surface.of(body, trees.get(body)) for body in found if body_search.is_finite(body)]
     metre = scene.unit_settings.scale_length * rig_scale.of(obj, scene)
     return _free_share(obj, rest, over, metre) if over else None
 

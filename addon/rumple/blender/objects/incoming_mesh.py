@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import hashlib
 from contextlib import contextmanager
-from typing import Any, Iterator
+from typing import Any, Iterable, Iterator
 
 import bpy
 import numpy as np
@@ -22,10 +22,13 @@ SUFFIX = ".incoming"
 _CAPTURED = (wrinkle_tree.REST_POSITION, wrinkle_tree.REST_BASIS)
 
 
+_whole: dict[bpy.types.Object, bpy.types.Mesh] = {}  # while whole() lasts
+
+
 def of(obj: bpy.types.Object) -> bpy.types.Mesh:
     """What is there now; see update()."""
     kept = obj.rumple.incoming
-    return obj.data if kept is None else kept
+    return _whole.get(obj, obj.data) if kept is None else kept
 
 
 def is_own(obj: bpy.types.Object) -> bool:
@@ -52,6 +55,23 @@ def update(obj: bpy.types.Object) -> None:
     if made is None and kept is not None and wrinkle_tree.REST_POSITION in kept.attributes:
         obj.rumple.captured, kept = kept, obj.rumple.captured  # the modifier may come back
     drop(kept)
+
+
+@contextmanager
+def whole(objects: Iterable[bpy.types.Object]) -> Iterator[None]:
+    """While it lasts, of() has both halves of a body that was modelled as one half, with a Mirror modifier. Structural
+    work. Cost: some evaluations of each of those."""
+    made = []
+    try:
+        for obj in objects:
+            if obj.type == "MESH" and obj.rumple.incoming is None and obj not in _whole and any(
+                    m.type == "MIRROR" and m.show_viewport for m in modifier.in_front(obj)):
+                _whole[obj] = _evaluated_at_rest(obj)
+                made.append(obj)
+        yield
+    finally:
+        for obj in made:
+            bpy.data.meshes.remove(_whole.pop(obj))
 
 
 def forget(obj: bpy.types.Object) -> None:

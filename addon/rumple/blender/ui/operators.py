@@ -156,14 +156,8 @@ class OBJECT_OT_rumple_add(bpy.types.Operator):
     def _set_up(self, context: bpy.types.Context, obj: bpy.types.Object) -> list[str]:
         """All settings, and what it is worn over. Returns what to say of them."""
         lengths = self._set_defaults(context, obj)
-        worn_over = body_search.find(obj, context.scene)
-        is_sheet = cloth_defaults.is_sheet(obj, worn_over.body)
-        if not worn_over.is_body:
-            cloth_defaults.apply(obj, context.scene, lengths, is_sheet)
-        if cloth_defaults.is_cloth(obj):
-            self._set_bodies(obj, worn_over)
-            free_parts.give_room(obj, context.scene, worn_over.trees, is_sheet, "room" not in lengths)
-            tucked_hems.paint(obj, context.scene, worn_over.trees_over(), is_sheet)
+        with incoming_mesh.whole(body_search.candidates(obj, context.scene)):
+            worn_over = self._dress(obj, context.scene, lengths)
         self._adjust(context, obj)
         if cloth_defaults.is_cloth(obj) or worn_over.body is None or properties.group_of(obj).is_property_set(
                 "base_cloth"):
@@ -173,6 +167,18 @@ class OBJECT_OT_rumple_add(bpy.types.Operator):
                     "clothes hang, by their outer side"]
         return [f"{obj.name}: it lies over {worn_over.body.name} but has fewer than two openings, as hats and gloves "
                 "have, so it is not made cloth: if it is, set Base Cloth to Hang"]
+
+    def _dress(self, obj: bpy.types.Object, scene: bpy.types.Scene, lengths: set[str]) -> body_search.WornOver:
+        """Make cloth of what is cloth, and look for what it is worn over."""
+        worn_over = body_search.find(obj, scene)
+        is_sheet = cloth_defaults.is_sheet(obj, worn_over.body)
+        if not worn_over.is_body:
+            cloth_defaults.apply(obj, scene, lengths, is_sheet)
+        if cloth_defaults.is_cloth(obj):
+            self._set_bodies(obj, worn_over)
+            free_parts.give_room(obj, scene, worn_over.trees, is_sheet, "room" not in lengths)
+            tucked_hems.paint(obj, scene, worn_over.trees_over(), is_sheet)
+        return worn_over
 
     def _show_waves(self, context: bpy.types.Context, obj: bpy.types.Object) -> None:
         """Of a Wrinkle Field: in materials and viewports."""
