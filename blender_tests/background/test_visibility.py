@@ -8,6 +8,7 @@ import unittest
 
 import bpy
 import numpy as np
+from rumple.blender import compat, scheduler
 from rumple.blender.frame import path_curves
 from rumple.blender.objects import modifier, runtimes
 from support import sleeve
@@ -40,6 +41,25 @@ class Hidden(unittest.TestCase):
         sleeve.play(1, 9)
         self.assertEqual(self.frames(), [(1.0, True), (2.0, True), (3.0, True), (9.0, False)])
         self.assertEqual(self.obj.rumple.message, "")
+
+    def test_it_is_seen_again_after_it_was_hidden_and_its_modifier_off(self) -> None:
+        """Nothing of it was shown: Blender had forgotten the fine mesh while the coarse one was made anew."""
+        self.obj.modifiers.new("Solidify", "SOLIDIFY").thickness = 0.004
+        compat.move_modifier(self.obj, len(self.obj.modifiers) - 1, 0)
+        nodes_mod = modifier.find(self.obj)
+        scheduler.sync_all()
+        for _ in range(2):  # then it is written already
+            self.obj.hide_viewport = True
+            sleeve.at(2)
+            self.obj.hide_viewport, nodes_mod.show_viewport = False, False
+            sleeve.at(3)
+            nodes_mod.show_viewport = True
+            bpy.context.view_layer.update()
+            sleeve.at(3)
+            scheduler.sync_all()
+            sleeve.at(3)
+            self.assertTrue(sleeve.is_fine(self.obj))
+            self.assertEqual(self.obj.rumple.message, "")
 
     def test_one_that_is_worn_under_another_is_solved(self) -> None:
         """Blender evaluates it for that one's sake."""

@@ -305,8 +305,22 @@ def _incoming(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier, runtime
     shown = nodes_mod.show_render if depsgraph.mode == "RENDER" else nodes_mod.show_viewport
     if positions is None and shown:
         arriving = len(obj.evaluated_get(depsgraph).data.vertices)
-        _follow_topology(obj, nodes_mod, runtime, arriving, depsgraph.mode == "RENDER")
+        if arriving or not _evaluate_outputs(nodes_mod, runtime, units.frame_of(depsgraph.scene)):
+            _follow_topology(obj, nodes_mod, runtime, arriving, depsgraph.mode == "RENDER")
+    else:
+        runtime.empty_at = None
     return positions
+
+
+def _evaluate_outputs(nodes_mod: bpy.types.NodesModifier, runtime: Runtime, frame: float) -> bool:
+    """Let Blender evaluate them where nothing is shown, once a frame: it forgets those of a modifier that was off, of
+    an object that was hidden before, where relations are built meanwhile. True when that was asked for."""
+    if runtime.empty_at == frame:
+        return False
+    runtime.empty_at = frame
+    for output in modifier.outputs(nodes_mod):
+        output.data.update()
+    return True
 
 
 def _follow_topology(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier, runtime: Runtime, arriving: int,

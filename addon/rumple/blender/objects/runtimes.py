@@ -61,6 +61,7 @@ class Runtime(RuntimeBase):
     asked_for_coarse: bool = False  # by a redraw, last
     measured: tuple[dict, dict[str, tuple[float, float]]] | None = None  # of what was read: painted_maps.py
     stack: str = ""  # fingerprint of the modifiers in front when the incoming mesh was last made
+    empty_at: float | None = None  # the last frame in which it showed nothing, though its modifier is on
     tried: int = -1  # vertices that arrived, and did not fit, when it was last made anew for that reason
     guides: list[str] = field(default_factory=list)  # names of the guides when they were last looked for
     groups: list[str] | None = None  # names of the vertex groups when the output object was last checked
