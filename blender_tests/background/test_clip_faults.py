@@ -350,6 +350,15 @@ class Disturbed(Case):
                     self.assertEqual(clip.read_bytes(), before)
                     self.assertEqual(os.listdir(clip.parent), [clip.name])
 
+    def test_what_is_wrong_with_it_already_is_said_as_on_its_panel(self) -> None:
+        """It said: it, or its file, was changed while it was baked."""
+        self.obj.rumple.mesh.rest_shape = "FRAME"
+        sleeve.at(3)
+        self.assertRegex(self.obj.rumple.message, "^Sleeve: no rest shape is captured yet")
+        with self.assertRaisesRegex(RuntimeError, "^Error: Sleeve: no rest shape is captured yet: press Capture"):
+            bpy.ops.object.rumple_bake()
+        self.assertFalse(self.is_baked())
+
     def test_what_a_killed_bake_left_is_swept_by_the_next(self) -> None:
         self.bake()
         here = clip_folder.temporary(self.clip()).name.split(".")[3]

@@ -14,6 +14,7 @@ import bpy
 from ...core import clip_file, clip_folder
 from ...core.clip_lock import Held, Lock
 from ...core.clip_manifest import ClipFault, Manifest
+from ...core.engine import UserError
 from ...core.frame_result import Attribute, FrameResult
 from .. import compat, scheduler
 from ..frame import clip_status, path_curves
@@ -177,6 +178,8 @@ class ClipBake:
             raise
         except ClipFault as error:
             raise BakeError(f"{self.name}: {error}") from error
+        except UserError as error:  # it stands on its panel
+            raise BakeError(str(error)) from error
         except Exception as error:  # another script or window did it: deleted it, loaded a file, edited the mesh
             raise BakeError(f"{self.name}: it, or its file, was changed while it was baked ({type(error).__name__}: "
                             f"{error}): bake again") from error
