@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import math
 import unittest
-from typing import Any
+from typing import Any, Callable
+from unittest import mock
 
 import bpy
 import numpy as np
 from rumple.blender import compat, handlers, scheduler
 from rumple.blender.nodes import wrinkle_tree
-from rumple.blender.objects import modifier
+from rumple.blender.objects import modifier, properties, runtimes
+from rumple.blender.ui import operators
 from support import sleeve
 
 
@@ -212,3 +214,45 @@ class AddedInTheMiddle(unittest.TestCase):
             changes = self.changes(cloth, range(6, 15))
             there = changes.pop(3), changes.pop(3)  # to frame 10, and from it
             self.assertLess(max(there), 2.0 * max(changes[1:]), cloth)
+
+
+class AddedAgain(unittest.TestCase):
+    """What was kept from a removal cannot be changed without wrinkles, as the panel is not there."""
+
+    def add(self, change: Callable[[bpy.types.Object, Any], object], method: str, by_hand: bool) -> bpy.types.Object:
+        """Add, change what is kept, remove, and add again."""
+        obj = sleeve.scene(wrinkles=False)
+        bpy.ops.object.rumple_add(method=method)
+        change(obj, properties.group_of(obj))
+        scheduler.sync_all()
+        bpy.ops.object.rumple_remove()
+        with mock.patch.object(operators.OBJECT_OT_rumple_add, "_may_wait", by_hand):
+            bpy.ops.object.rumple_add(method=method)
+        self.assertEqual(runtimes.message(obj), "")
+        sleeve.at(4)
+        self.assertTrue(sleeve.is_fine(obj))
+        return obj
+
+    def test_a_captured_rest_shape_went_with_the_wrinkles(self) -> None:
+        """Without wrinkles there is no button that captures another, and the click was refused for it."""
+        for method in ("MESH", "PATHS"):
+            obj = self.add(lambda *_: bpy.ops.object.rumple_capture_rest(frame=5), method, by_hand=False)
+            self.assertEqual(properties.group_of(obj).rest_shape, "REST_POSE")
+
+    def test_settings_that_refuse_the_fine_mesh_are_let_go(self) -> None:
+        """Each click was refused, for ever."""
+        def most(obj: bpy.types.Object, settings: Any) -> None:
+            obj.rumple.most_vertices, settings.density, settings.level = 1000, "LEVEL", 3
+
+        def key(obj: bpy.types.Object, settings: Any) -> None:
+            obj.rumple.rest_key, settings.rest_shape = "Gone", "SHAPE_KEY"
+
+        def own(_obj: bpy.types.Object, settings: Any) -> None:
+            settings.source = "OBJECT"
+
+        for change in (most, key, own):
+            with self.subTest(change.__name__):
+                obj = self.add(change, "MESH", by_hand=True)
+                self.assertEqual(obj.rumple.most_vertices, 250_000)
+                with self.assertRaisesRegex(RuntimeError, "Error: Sleeve: "):  # a script is told
+                    self.add(change, "MESH", by_hand=False)

@@ -22,6 +22,7 @@ from ..translation import said
 from . import fabrics, thumbnails
 
 _NEXT = "Next: play it; fabric and folds are set in its panel, in the modifier tab"
+_OF_FINE_MESH = ("rest_shape", "source", "density", "level", "segments", "edge_length", "display_steps", "detail")
 NOT_SHOWN = "The wrinkles do not show: switch the modifier on in the viewport first"
 
 
@@ -122,7 +123,7 @@ class OBJECT_OT_rumple_add(bpy.types.Operator):
 
     def _add_wrinkles(self, context: bpy.types.Context, obj: bpy.types.Object) -> set[str]:
         runtimes.forget(obj)
-        notes = self._set_up(context, obj)
+        notes, by_hand = self._set_up(context, obj), self._may_wait
         with scheduler.suspended():
             nodes_mod = modifier.add(obj, self.method)
         # Handlers write while the window draws: without the lock a render in the window may crash.
@@ -135,6 +136,8 @@ class OBJECT_OT_rumple_add(bpy.types.Operator):
             self.report({"INFO"}, said(f"{said(properties.system_of(obj).label)} added: its folds are being made"))
             return {"FINISHED"}
         note = self._make(obj, nodes_mod)
+        if modifier.output_object(nodes_mod) is None and by_hand and self._let_go(context, obj):
+            note = self._make(obj, nodes_mod)
         bodies.connect_all()
         if modifier.output_object(nodes_mod) is None:
             why = runtimes.message(obj) or f"{obj.name}: nothing to wrinkle"
@@ -211,6 +214,20 @@ class OBJECT_OT_rumple_add(bpy.types.Operator):
         rebuild.prepare(obj, nodes_mod)
         return modifier.output_object(nodes_mod) is not None
 
+    def _let_go(self, context: bpy.types.Context, obj: bpy.types.Object) -> bool:
+        """Forget settings that were kept from a removal and refuse the fine mesh: without wrinkles there is no panel to
+        change them. False where there are none."""
+        settings, why = properties.group_of(obj), runtimes.message(obj)
+        names = {*_OF_FINE_MESH, SYSTEMS[self.method].wrinkles.SUGGESTED} & properties.fields_of(obj).keys()
+        kept = [(settings, name) for name in sorted(names)] + [(obj.rumple, "most_vertices")]
+        kept = [(group, name) for group, name in kept if group.is_property_set(name)]
+        for group, name in kept:
+            group.property_unset(name)
+        if kept:
+            self.report({"WARNING"}, said(why))
+            self._set_defaults(context, obj)
+        return bool(kept)
+
     def _set_defaults(self, context: bpy.types.Context, obj: bpy.types.Object) -> set[str]:
         """What was set before a removal stays; lengths that were never set suit the mesh and the scene's unit. Returns
         their names."""
@@ -221,6 +238,8 @@ class OBJECT_OT_rumple_add(bpy.types.Operator):
         values = properties.defaults(obj, lengths)
         system = SYSTEMS[self.method].wrinkles
         incoming_mesh.update(obj)
+        if settings.rest_shape == "FRAME" and wrinkle_tree.REST_POSITION not in incoming_mesh.of(obj).attributes:
+            settings.property_unset("rest_shape")  # it went with the wrinkles that it was captured for
         if system.SUGGESTED in lengths and len(incoming_mesh.of(obj).polygons):
             base = mesh_reader.base_mesh(obj, "REST_POSE", "")
             values[system.SUGGESTED] = system.suggested_length(base, rig_scale.metres_at_rest(obj, context.scene))
