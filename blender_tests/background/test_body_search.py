@@ -51,6 +51,16 @@ class FirstClick(unittest.TestCase):
         apart.modifiers.clear()
         self.assertEqual(self.found(), "")
 
+    def test_what_comes_after_a_click_is_found_by_the_next(self) -> None:
+        """To Blender a pointer that was read is set: no click looked for a body again."""
+        self.assertEqual(self.found(), "")
+        bpy.ops.object.rumple_remove()
+        sleeve.under(self.obj, "Human")
+        self.assertEqual(self.found(), "Human")
+        self.obj.rumple.body = None
+        bpy.ops.object.rumple_remove()
+        self.assertEqual(self.found(), "")  # the artist wants none
+
     def test_another_garment_is_better_than_nothing(self) -> None:
         sleeve.under(self.obj, "Shirt", 0.9)
         self.assertEqual(self.found(), "Shirt")

@@ -147,6 +147,8 @@ def connect_all() -> None:
         body = obj.rumple.body
         if body is not None and compat.is_editable(obj) and _is_deleted(body):
             obj.rumple.body = None  # else what was deleted stays in the file, for it has a user
+        if obj.rumple.looks_again and of(obj) and compat.is_editable(obj):
+            obj.rumple.looks_again = False
         _drop_left_overs(obj.rumple.body_collection)
         made_collections.take_back(obj.rumple.body_collection)
         if not is_connected(obj, nodes_mod):

@@ -165,6 +165,8 @@ class RUMPLE_Object(bpy.types.PropertyGroup):
                                                update=_changed("BODY"),
                                                description="What this garment is worn over, where it is more than one "
                                                            "object: cloth stays outside of all of them")
+    # Nobody sees it: a click found no body, and none was chosen since. To Blender a pointer that was read is set.
+    looks_again: bpy.props.BoolProperty(name="Body", options={"HIDDEN"}, override=_OVERRIDE)
     profile_curve: bpy.props.PointerProperty(type=bpy.types.NodeTree, name="Profile Curve", override=_OVERRIDE,
                                              description="The node group with the curve that was drawn as profile")
     rest_key: bpy.props.StringProperty(name="Rest Key", options=set(), override=_OVERRIDE, update=_changed("MESH"),

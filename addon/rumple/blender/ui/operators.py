@@ -267,12 +267,13 @@ class OBJECT_OT_rumple_add(bpy.types.Operator):
         """Where none was ever set: what was set before a removal stays, and nothing too. A library override counts
         every pointer as set, to nothing."""
         about, names = obj.rumple, ("body", "body_collection")
-        if not any(about.is_property_set(name) and (obj.override_library is None or getattr(about, name) is not None)
-                   for name in names):
+        if about.looks_again or not any(about.is_property_set(name) and (
+                obj.override_library is None or getattr(about, name) is not None) for name in names):
             if found.body is not None:
                 about.body = found.body
             if found.garments:
                 about.body_collection = made_collections.make(obj, found.garments)
+            about.looks_again = found.body is None and not found.garments
 
     def _report_notes(self, obj: bpy.types.Object, notes: list[str], warnings: list[str]) -> None:
         for note in warnings + stack_notes.of(obj) + stack_notes.of_children(obj) + (
