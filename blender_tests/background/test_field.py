@@ -12,7 +12,7 @@ import numpy as np
 from rumple.blender import compat, scheduler
 from rumple.blender.nodes import field_profile, field_shader
 from rumple.blender.objects import changes, mesh_reader, modifier, runtimes
-from rumple.blender.ui import operators
+from rumple.blender.ui import wave_materials
 from rumple.core.engine import UserError
 from rumple.core.wrinkle_field import PHASE, U_GRADIENT, VECTORS, WEIGHT, WrinkleField
 from support import sleeve, wave_shader_cases
@@ -325,16 +325,16 @@ class Materials(unittest.TestCase):
         nodes.new("ShaderNodeGroup").node_tree = bpy.data.node_groups.new("Inside", "ShaderNodeTree")
         for slot in obj.material_slots:
             slot.material = material
-        self.assertEqual(operators._unshaded(obj), [
+        self.assertEqual(wave_materials.unshaded(obj), [
             "Sleeve: the material \"Grouped\" shows no waves, for its shader is inside of a node group: connect a "
             "shader outside of it, or set Output to Geometry"])
         plain = bpy.data.materials.new("Plain")
         compat.use_nodes(plain)
         obj.material_slots[0].material = plain
         field_shader.shade_object(obj)
-        self.assertEqual(len(operators._unshaded(obj)), 1)
+        self.assertEqual(len(wave_materials.unshaded(obj)), 1)
         obj.material_slots[1].material = obj.material_slots[0].material
-        self.assertEqual(operators._unshaded(obj), [])
+        self.assertEqual(wave_materials.unshaded(obj), [])
 
     def test_a_material_that_another_waving_object_shows_keeps_its_waves(self) -> None:
         obj = waving()

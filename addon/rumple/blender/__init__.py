@@ -15,14 +15,15 @@ from .maps import (bake as maps_bake, export as maps_export, operators as maps_o
 from .objects import guide_curves, properties
 from .ui import (apply_operator, copy_settings, examples, fabrics, guide_operators, healing, held_mouse, menus,
                  operators, paint_operators, panels, paths_operators, rebuild_progress, saved_settings, thumbnails,
-                 weight_tools)
+                 wave_materials, weight_tools)
 from .viewport import paths_overlay, preview
 
+# The last three draw, in this order.
 _MODULES = (manual, translation, properties, guide_curves, maps_properties, thumbnails, fabrics, operators,
-            apply_operator, paint_operators, guide_operators, paths_operators, held_mouse, rebuild_progress, healing,
-            copy_settings, saved_settings, weight_tools, examples, maps_operators, maps_pose_operators, maps_export,
-            maps_bake, bake_operators, panels, menus, maps_panel, maps_overlay, handlers, farm_command,
-            farm_operators, preview, paths_overlay, brush_operators)  # the last three draw, in this order
+            wave_materials, apply_operator, paint_operators, guide_operators, paths_operators, held_mouse,
+            rebuild_progress, healing, copy_settings, saved_settings, weight_tools, examples, maps_operators,
+            maps_pose_operators, maps_export, maps_bake, bake_operators, panels, menus, maps_panel, maps_overlay,
+            handlers, farm_command, farm_operators, preview, paths_overlay, brush_operators)
 
 
 def register() -> None:

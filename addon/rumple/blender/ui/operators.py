@@ -1,8 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The buttons: add, remove, preset, shade, capture the rest shape, forget stored frames. Apply is in apply_operator.py.
+"""The buttons: add, remove, capture the rest shape, forget stored frames. Apply is in apply_operator.py.
 
-bpy.ops.object.rumple_add(method="MESH"), rumple_remove(), rumple_preset(preset="DENIM"), rumple_shade(),
-rumple_unshade(), rumple_capture_rest(), rumple_clear_frames().
+bpy.ops.object.rumple_add(method="MESH"), rumple_remove(), rumple_capture_rest(), rumple_clear_frames().
 """
 from __future__ import annotations
 
@@ -19,7 +18,7 @@ from ..objects import (bodies, body_search, cloth_defaults, free_parts, incoming
                        mesh_reader, modifier, posed_coarse, properties, rig_scale, runtimes, stack_notes,
                        subdivision_behind, tucked_hems)
 from ..translation import said
-from . import fabrics, thumbnails
+from . import fabrics, thumbnails, wave_materials
 
 _NEXT = "Next: play it; fabric and folds are set in its panel, in the modifier tab"
 _OF_FINE_MESH = ("rest_shape", "source", "density", "level", "segments", "edge_length", "display_steps", "detail")
@@ -41,13 +40,6 @@ def _other_mesh(scene: bpy.types.Scene, name: str, obj: bpy.types.Object) -> bpy
     """What can be the body of an object, by its name in the scene."""
     found = scene.objects.get(name)
     return found if found is not None and found != obj and bodies.can_be_body(found) else None
-
-
-def _unshaded(obj: bpy.types.Object) -> list[str]:
-    """The first material that was to draw the waves and cannot."""
-    return [f"{obj.name}: the material \"{material.name}\" shows no waves, for its shader is inside of a node group: "
-            "connect a shader outside of it, or set Output to Geometry"
-            for material in field_shader.materials_of(obj) if not field_shader.shows_waves(material)][:1]
 
 
 class OBJECT_OT_rumple_add(bpy.types.Operator):
@@ -136,7 +128,7 @@ class OBJECT_OT_rumple_add(bpy.types.Operator):
             self.report({"INFO"}, said(f"{said(properties.system_of(obj).label)} added: its folds are being made"))
             return {"FINISHED"}
         note = self._make(obj, nodes_mod)
-        if modifier.output_object(nodes_mod) is None and by_hand and self._let_go(context, obj):
+        if modifier.output_object(nodes_mod) is None and by_hand and self._unset_kept(context, obj):
             note = self._make(obj, nodes_mod)
         bodies.connect_all()
         if modifier.output_object(nodes_mod) is None:
@@ -214,7 +206,7 @@ class OBJECT_OT_rumple_add(bpy.types.Operator):
         rebuild.prepare(obj, nodes_mod)
         return modifier.output_object(nodes_mod) is not None
 
-    def _let_go(self, context: bpy.types.Context, obj: bpy.types.Object) -> bool:
+    def _unset_kept(self, context: bpy.types.Context, obj: bpy.types.Object) -> bool:
         """Forget settings that were kept from a removal and refuse the fine mesh: without wrinkles there is no panel to
         change them. False where there are none."""
         settings, why = properties.group_of(obj), runtimes.message(obj)
@@ -277,7 +269,7 @@ class OBJECT_OT_rumple_add(bpy.types.Operator):
 
     def _report_notes(self, obj: bpy.types.Object, notes: list[str], warnings: list[str]) -> None:
         for note in warnings + stack_notes.of(obj) + stack_notes.of_children(obj) + (
-                _unshaded(obj) if self.method == "FIELD" and self.shade else []):
+                wave_materials.unshaded(obj) if self.method == "FIELD" and self.shade else []):
             self.report({"WARNING"}, said(note))
         for note in notes:
             self.report({"INFO"}, said(note))
@@ -291,44 +283,6 @@ class OBJECT_OT_rumple_add(bpy.types.Operator):
         made = said(f"{label} added, {fine.vertex_count:,} vertices, over {worn_over}" if worn_over else
                     f"{label} added, {fine.vertex_count:,} vertices")
         self.report({"INFO"}, f"{made}. {said(_NEXT)}")
-
-
-class _OnWaves(ui_base.OnWrinkled):
-    """Operators for the materials of an object with a Wrinkle Field."""
-
-    method, other_method = "FIELD", "Only the Wrinkle Field is drawn by materials"
-
-
-class OBJECT_OT_rumple_shade(_OnWaves, bpy.types.Operator):
-    """Let the materials of the object draw the waves, by a node group in front of their normals and textures"""
-
-    bl_idname = "object.rumple_shade"
-    bl_label = "Add to Materials"
-
-    def execute(self, context: bpy.types.Context) -> set[str]:
-        field_shader.shade_object(context.object)
-        materials = field_shader.materials_of(context.object)
-        runtimes.of(context.object).stale = True  # a new slot is carried
-        scheduler.sync_all()
-        if not materials:
-            self.report({"ERROR"}, said(f"{context.object.name}: its materials are linked from another file"))
-            return {"CANCELLED"}
-        for note in _unshaded(context.object):
-            self.report({"WARNING"}, said(note))
-        count = sum(map(field_shader.shows_waves, materials))
-        self.report({"INFO"}, said(f"{count} material(s) show the waves"))
-        return {"FINISHED"}
-
-
-class OBJECT_OT_rumple_unshade(_OnWaves, bpy.types.Operator):
-    """Take the waves out of the materials of the object again"""
-
-    bl_idname = "object.rumple_unshade"
-    bl_label = "Remove from Materials"
-
-    def execute(self, context: bpy.types.Context) -> set[str]:
-        field_shader.unshade_object(context.object, [])
-        return {"FINISHED"}
 
 
 def remove(obj: bpy.types.Object) -> None:
@@ -395,7 +349,7 @@ class OBJECT_OT_rumple_clear_frames(ui_base.OnWrinkled, bpy.types.Operator):
         return {"FINISHED"}
 
 
-CLASSES = (OBJECT_OT_rumple_add, OBJECT_OT_rumple_remove, OBJECT_OT_rumple_shade, OBJECT_OT_rumple_unshade,
-           OBJECT_OT_rumple_capture_rest, OBJECT_OT_rumple_clear_frames)
+CLASSES = (OBJECT_OT_rumple_add, OBJECT_OT_rumple_remove, OBJECT_OT_rumple_capture_rest,
+           OBJECT_OT_rumple_clear_frames)
 
 register, unregister = bpy.utils.register_classes_factory(CLASSES)
