@@ -70,7 +70,7 @@ CLIPS = {
                   weave=True),
     "walk": Clip("S1_walk_shirt", ("trousers", "shirt"), (30, 120), distance=4.6, view=WALKING, raised=0.1),
     "jump": Clip("S2_squat_trousers", ("trousers", "sweater"), (15, 95), distance=5.2, view=WALKING, raised=0.14),
-    "suit": Clip("male_elegantsuit01", ("male_elegantsuit01",), (2, 66), distance=4.3, view=FRONT, looks_at=("Body",),
+    "suit": Clip("male_elegantsuit01", ("male_elegantsuit01",), (2, 66), distance=4.7, view=FRONT, raised=0.08, looks_at=("Body",),
                  folder=OUTFITS),
     "sit": Clip("sit", ("Trousers", "Shirt"), (5, 64), distance=4.6, view=(0.9, -1.0, 0.15), looks_at=("Mannequin",),
                 size=(300, 380)),
