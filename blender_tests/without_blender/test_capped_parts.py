@@ -79,6 +79,13 @@ class WhatIsCloth(unittest.TestCase):
         self.assertEqual(polygons, WALL + 2 * AROUND)
         self.assertEqual(rigid.lines()[0], "Rigid parts that ride on the cloth: 1")
 
+    def test_cloth_that_skin_comes_through_is_no_cap(self) -> None:
+        """A sleeve of eight sides has creases between them, and the hand is outside of each in its middle."""
+        sides = tube(8, 24)
+        polygons, rigid = split(sides, bag(0.048, 0.2, 0.26))
+        assert rigid is not None
+        self.assertEqual(polygons, len(sides.polygon_start) - 1)
+
     def test_shoes_stay_and_are_not_crumpled(self) -> None:
         shoe = bag(0.055, 0.2, -0.45)  # below the other sleeve, far from skin
         flat = quad_mesh("Shoe", shoe.positions * (0.5, 1.2, 1.0), shoe.corner_vertex.reshape(-1, 4))

@@ -4,19 +4,21 @@ are hidden inside of the body and of other clothes: they are no cloth. Never imp
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 
 import numpy as np
 
 from .base_mesh import BaseMesh
 from .connected import lowest_connected
-from .samples import lengths, sample_of
-from .triangles import area_vectors, winding
+from .samples import lengths, nearest_of, sample_of
+from .triangles import area_vectors, vertex_normals, winding
 
 INSIDE = 0.5  # winding number
 MOSTLY = 0.5  # of the vertices of a border: where it ends
 CREASE = math.cos(math.radians(40.0))  # between the normals of neighbours: at a cap there are 50 degrees and more
 FLAT, MOST_AREA = 0.5, 0.2  # of a cap: how much of its area looks one way, and its share of the garment's
-OF_CAP = 24  # polygons at most that are looked at
+UPRIGHT = 0.7  # cosine between the normals of a cap and of what goes through it, at most
+OF_CAP, OF_BODY = 24, 2000  # polygons, and vertices, that are looked at
 
 
 def ends_in(base: BaseMesh, ends: list[tuple[int, np.ndarray]], part: np.ndarray, hosts: np.ndarray) -> np.ndarray:
@@ -32,38 +34,59 @@ def ends_in(base: BaseMesh, ends: list[tuple[int, np.ndarray]], part: np.ndarray
     return inside
 
 
-def find_caps(base: BaseMesh, part: np.ndarray, place: np.ndarray, capped: np.ndarray,
+def find_caps(base: BaseMesh, part: np.ndarray, place: np.ndarray, garments: np.ndarray,
               bodies: np.ndarray) -> np.ndarray:
-    """(p,) the number of the cap that each polygon of a garment is of, counted from 1; 0 for none. Caps are flat panels
-    between creases that reach into another part. part, place: (n,) of the vertices, as connected.py has them. capped:
-    (parts,) bool of the garments; bodies: (parts,) bool of what may be inside of them. Cost: 20 ms for 10,000 polygons,
-    and that of winding()."""
+    """(p,) the number of the cap that each polygon is of, counted from 1; 0 for none. Caps are flat panels of garments
+    between creases, across another part that they reach into. part, place: (n,) of the vertices, as connected.py has
+    them. garments, bodies: (parts,) bool, of what has caps, and what is in them. Cost: 20 ms for 10,000 polygons, and
+    that of winding()."""
     own = part[base.corner_vertex[base.polygon_start[:-1]]]
     caps = np.zeros(len(own), np.int32)
-    if not capped.any():
+    asked = np.flatnonzero(garments[own])
+    if not len(asked):
         return caps
-    corners_of = {body: base.positions[base.triangles[part[base.triangles[:, 0]] == body]]
-                  for body in np.flatnonzero(bodies).tolist()}
+    within = [_Body.of(base, base.triangles[part[base.triangles[:, 0]] == body]) if is_body else None
+              for body, is_body in enumerate(bodies)]
     middles, normals = _middles(base), _polygon_normals(base)
     areas = lengths(normals)
-    most = MOST_AREA * np.bincount(own, areas, len(capped))
-    asked = np.flatnonzero(capped[own])
+    most = MOST_AREA * np.bincount(own, areas, len(garments))
     panels = _panels(base, place, normals)[asked]
     ends = np.cumsum(np.unique(panels, return_counts=True)[1])
     for polygons in np.split(asked[np.argsort(panels, kind="stable")], ends[:-1]):
-        area = areas[polygons].sum()
-        if area > most[own[polygons[0]]] or lengths(normals[polygons].sum(axis=0)) < FLAT * area:
+        area, one_way = areas[polygons].sum(), normals[polygons].sum(axis=0)
+        if area > most[own[polygons[0]]] or float(lengths(one_way)) < FLAT * area:
             continue
         some = middles[sample_of(polygons, OF_CAP)]
-        if any(_is_inside(some, corners) for body, corners in corners_of.items() if body != own[polygons[0]]):
+        if any(body.goes_through(some, one_way) for number, body in enumerate(within)
+               if body is not None and number != own[polygons[0]]):
             caps[polygons] = caps.max() + 1
     return caps
 
 
-def _is_inside(points: np.ndarray, corners: np.ndarray) -> bool:
-    """Whether one of the points is inside of triangles (t, 3, 3)."""
-    within = ((points >= corners.min(axis=(0, 1))) & (points <= corners.max(axis=(0, 1)))).all(axis=1)
-    return bool(within.any() and (winding(points[within], corners) > INSIDE).any())
+@dataclass(frozen=True)
+class _Body:
+    """What may be inside of a garment."""
+
+    corners: np.ndarray  # (t, 3, 3) of its triangles
+    places: np.ndarray  # (v, 3) of some of its vertices
+    normals: np.ndarray  # (v, 3) unit, of these
+
+    @classmethod
+    def of(cls, base: BaseMesh, triangles: np.ndarray) -> "_Body":
+        some = sample_of(np.unique(triangles), OF_BODY)
+        normals = vertex_normals(base.positions, triangles)[some]
+        return cls(base.positions[triangles], base.positions[some],
+                   normals / np.maximum(lengths(normals), 1e-30)[:, None])
+
+    def goes_through(self, points: np.ndarray, normal: np.ndarray) -> bool:
+        """Whether it goes through a panel: it has some of its points inside, and its surface stands upright there on
+        the panel, as a neck does in a collar. Where skin only comes through cloth, both face the same way."""
+        near = ((points >= self.corners.min(axis=(0, 1))) & (points <= self.corners.max(axis=(0, 1)))).all(axis=1)
+        inside = points[near][winding(points[near], self.corners) > INSIDE]
+        if not len(inside):
+            return False
+        beside = self.normals[nearest_of(inside, self.places, np.arange(len(self.places)))[0]]
+        return bool(np.abs(beside @ normal).mean() < UPRIGHT * float(lengths(normal)))
 
 
 def _panels(base: BaseMesh, place: np.ndarray, normals: np.ndarray) -> np.ndarray:

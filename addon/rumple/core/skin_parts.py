@@ -46,7 +46,8 @@ class Dressed(NamedTuple):
 
     skin: np.ndarray  # (parts,) bool
     shoes: np.ndarray  # (parts,) bool: what has a body's shape, and is neither skin nor a garment
-    capped: np.ndarray  # (parts,) bool: garments whose openings are closed
+    garments: np.ndarray  # (parts,) bool
+    capped: np.ndarray  # (parts,) bool: of these, those whose openings are closed
 
 
 def find_skin(base: BaseMesh, found: Parts, part: np.ndarray, small: np.ndarray) -> Dressed:
@@ -59,7 +60,7 @@ def find_skin(base: BaseMesh, found: Parts, part: np.ndarray, small: np.ndarray)
     capped = counts & (openings < 2) & (found.diagonal >= CAPPED * whole)
     bodily = counts & (openings < 3) & (found.flat < FLAT) & (found.thick > THICK) & (found.diagonal >= HAND * whole)
     if counts.sum() < 2 or not (wide | capped).any() or not bodily.any():
-        return Dressed(none, none, none)
+        return Dressed(none, none, none, none)
     asked = bodily & ((openings > 0) | (found.diagonal >= WHOLE * whole))
     asked[np.argsort(np.where(asked, -found.area, 0.0), kind="stable")[MOST_PARTS:]] = False
     ends = [(number, sample_of(border, OF_BORDER)) for number in np.flatnonzero(asked).tolist()
@@ -68,9 +69,9 @@ def find_skin(base: BaseMesh, found: Parts, part: np.ndarray, small: np.ndarray)
     skin = _ends_under(base, found.openings, asked & ~capped, samples_of(part, counts), NEAR * whole)
     garment = (wide & ~skin) | capped
     if not garment.any() or not found.area[skin].sum() > LEAST_AREA * found.area.sum():
-        return Dressed(none, none, none)
+        return Dressed(none, none, none, none)
     skin |= _lies_on_skin(base.positions, part, counts & ~skin & ~garment, skin, garment)
-    return Dressed(skin, bodily & (openings < 2) & ~skin & ~garment, capped)
+    return Dressed(skin, bodily & (openings < 2) & ~skin & ~garment, garment, capped)
 
 
 def _ends_under(base: BaseMesh, openings: list[list[np.ndarray]], asked: np.ndarray, samples: dict[int, np.ndarray],
