@@ -41,10 +41,10 @@ def find_caps(base: BaseMesh, part: np.ndarray, place: np.ndarray, garments: np.
     them. garments, bodies: (parts,) bool, of what has caps, and what is in them. Cost: 20 ms for 10,000 polygons, and
     that of winding()."""
     own = part[base.corner_vertex[base.polygon_start[:-1]]]
-    caps = np.zeros(len(own), np.int32)
+    caps = np.zeros(len(own), bool)
     asked = np.flatnonzero(garments[own])
     if not len(asked):
-        return caps
+        return caps.astype(np.int32)
     within = [_Body.of(base, base.triangles[part[base.triangles[:, 0]] == body]) if is_body else None
               for body, is_body in enumerate(bodies)]
     middles, normals = _middles(base), _polygon_normals(base)
@@ -57,10 +57,21 @@ def find_caps(base: BaseMesh, part: np.ndarray, place: np.ndarray, garments: np.
         if area > most[own[polygons[0]]] or float(lengths(one_way)) < FLAT * area:
             continue
         some = middles[sample_of(polygons, OF_CAP)]
-        if any(body.goes_through(some, one_way) for number, body in enumerate(within)
-               if body is not None and number != own[polygons[0]]):
-            caps[polygons] = caps.max() + 1
-    return caps
+        caps[polygons] = any(body.goes_through(some, one_way) for number, body in enumerate(within)
+                             if body is not None and number != own[polygons[0]])
+    return _numbered(base, place, caps)
+
+
+def _numbered(base: BaseMesh, place: np.ndarray, chosen: np.ndarray) -> np.ndarray:
+    """(p,) the number of each connected set of the chosen polygons, counted from 1; 0 for the others."""
+    sizes = np.diff(base.polygon_start)
+    first = np.repeat(place[base.corner_vertex[base.polygon_start[:-1]]], sizes)
+    within = np.repeat(chosen, sizes)
+    label = lowest_connected(np.arange(int(place.max()) + 1), first[within], place[base.corner_vertex][within])
+    numbers = np.zeros(len(chosen), np.int32)
+    of_chosen = label[place[base.corner_vertex[base.polygon_start[:-1]]][chosen]]
+    numbers[chosen] = np.unique(of_chosen, return_inverse=True)[1].ravel() + 1
+    return numbers
 
 
 @dataclass(frozen=True)

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Loose parts of a mesh that are no cloth. They are shown as they were modelled. Buttons, buckles and pouches ride on
-the cloth around them; skin and helmets stay where they are animated. Never imports bpy."""
+"""Parts of a mesh that are no cloth. They are shown as they were modelled. Buttons, buckles and pouches ride on the
+cloth around them; skin and helmets stay where they are animated. Caps that were cut from cloth ride on it as well, and
+keep to the cut. Never imports bpy."""
 from __future__ import annotations
 
 from dataclasses import dataclass
@@ -50,6 +51,15 @@ class RigidParts:
             (skin, f"Parts that are skin and stay as they are animated: {skin}")) if count]
 
 
+@dataclass(frozen=True)
+class _Cap:
+    """A part that was cut from the cloth. Its edge goes with the cut, and what is inside of it as the edge does."""
+
+    part: int
+    rows: np.ndarray  # (k,) of its vertices in RigidParts
+    shares: np.ndarray  # (k, a) of its anchors, for each vertex 1 in all
+
+
 class AttachedParts:
     """The rigid parts of one shown mesh, and what of the cloth around them each is fixed to: the shown vertices that
     are nearest to it at rest. Skin, and what is far from cloth, stays where it is animated."""
@@ -60,12 +70,18 @@ class AttachedParts:
         cloth = np.unique(shown.corner_vertex)
         rest, place = shown.positions_rest[cloth], places(positions)
         on_seam = np.isin(place[parts.vertex], place[np.unique(shown.triangle_vertex[cloth])])
-        found = []
+        found, self._caps = [], []
         for part, stays in enumerate(parts.stays):
-            own = parts.part == part
-            seam = positions[parts.vertex[own & on_seam]]
-            found.append(cloth[:0] if stays else cloth[_around(seam, rest)] if len(seam) >= FEWEST_ON_SEAM else
-                         cloth[_anchors(positions[parts.vertex[own]], rest, size)])
+            own = np.flatnonzero(parts.part == part)
+            seam = positions[parts.vertex[own[on_seam[own]]]]
+            if stays:
+                found.append(cloth[:0])
+            elif len(seam) < FEWEST_ON_SEAM:
+                found.append(cloth[_anchors(positions[parts.vertex[own]], rest, size)])
+            else:
+                found.append(cloth[_around(seam, rest)])
+                self._caps.append(_Cap(part, own, _shares(positions[parts.vertex[own]],
+                                                          shown.positions_rest[found[-1]])))
         self._starts = np.cumsum([0, *(len(anchors) for anchors in found)], dtype=np.int32)
         self._anchors = np.concatenate(found)
         self._corners = shown.triangle_vertex[self._anchors]
@@ -78,7 +94,8 @@ class AttachedParts:
         """Where the m vertices are, and that in the frames of their triangles of the animated mesh: (m, 3) each.
 
         animated: (n, 3) of the coarse mesh; cloth: (d, 3) of the shown one, both float32, object space. Each part is
-        moved by the rigid motion that is nearest to what moved its anchors from the animated surface.
+        moved by the rigid motion that is nearest to what moved its anchors from the animated surface, and the edge of a
+        cap on to the cut.
         """
         frames, points = self._embedded(animated)
         moved = self._moved(animated, points + columnwise(frames, self._from_base), cloth[self._anchors])
@@ -90,9 +107,15 @@ class AttachedParts:
         return moved - animated[self.parts.vertex]
 
     def _moved(self, animated: np.ndarray, before: np.ndarray, after: np.ndarray) -> np.ndarray:
-        motions = kernels.rigid_motions(self._starts, np.ascontiguousarray(before, np.float32),
-                                        np.ascontiguousarray(after, np.float32))[self.parts.part]
-        return rowwise(motions[:, :3], animated[self.parts.vertex]) + motions[:, 3]
+        of_part = kernels.rigid_motions(self._starts, np.ascontiguousarray(before, np.float32),
+                                        np.ascontiguousarray(after, np.float32))
+        motions = of_part[self.parts.part]
+        moved = rowwise(motions[:, :3], animated[self.parts.vertex]) + motions[:, 3]
+        for cap in self._caps:
+            anchors, motion = slice(self._starts[cap.part], self._starts[cap.part + 1]), of_part[cap.part]
+            rigid = rowwise(np.broadcast_to(motion[:3], (len(before[anchors]), 3, 3)), before[anchors]) + motion[3]
+            moved[cap.rows] += (cap.shares[:, :, None] * (after[anchors] - rigid)[None]).sum(1)
+        return moved
 
     def add_to(self, result: FrameResult, animated: np.ndarray, corners: int,
                attributes: tuple[Attribute, ...]) -> None:
@@ -116,6 +139,13 @@ def _around(seam: np.ndarray, cloth: np.ndarray) -> np.ndarray:
     """The rows of the cloth that a part is fixed to which was cut from it, as a cap is: all along the cut."""
     some = seam[np.linspace(0, len(seam) - 1, min(len(seam), MOST_ANCHORS)).astype(int)]
     return np.unique(nearest_of(some, cloth, np.arange(len(cloth)))[0])
+
+
+def _shares(points: np.ndarray, anchors: np.ndarray) -> np.ndarray:
+    """(k, a) float32: the nearer an anchor is to a point, the more (Shepard 1968); for each point 1 in all."""
+    squared = ((points[:, None].astype(np.float64) - anchors[None]) ** 2).sum(2)
+    near = 1.0 / np.maximum(squared, 1e-6 * squared.max() + 1e-30)
+    return (near / near.sum(1, keepdims=True)).astype(np.float32)
 
 
 def _anchors(part: np.ndarray, cloth: np.ndarray, size: float) -> np.ndarray:
