@@ -71,7 +71,7 @@ class WhatIsCloth(unittest.TestCase):
 
     def test_a_cap_with_a_step_is_one(self) -> None:
         """Its inner panel rode on what was nearest, and came out under the hem."""
-        polygons, rigid = split(capped_sleeve(0.03), HAND, ELBOW, OTHER_SLEEVE)
+        polygons, rigid = split(capped_sleeve(0.032), HAND, arm(-0.13, 0.22), OTHER_SLEEVE)
         assert rigid is not None
         self.assertEqual(polygons, WALL + len(OTHER_SLEEVE.polygon_start) - 1)
         self.assertEqual(rigid.lines()[0], "Rigid parts that ride on the cloth: 2")
