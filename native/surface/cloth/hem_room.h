@@ -26,8 +26,8 @@ struct Hems {
 Hems find_hems(const Surface& surface);
 
 // How far every welded vertex may leave its animated place, object units, so that a hem does not lay bare the
-// border of a part that it covers at rest, nor that border come out of it. Infinity where there is none. overlaps: of find_overlaps(). Cost:
-// of each part O(vertices of borders x vertices), where it covers one.
+// border of a part that it covers at rest, nor that border come out of it. Infinity where there is none.
+// overlaps: of find_overlaps(). Cost: of each part O(vertices of borders x vertices), where it covers one.
 std::vector<float> room_over_parts(const Surface& surface, const Hems& hems,
                                    std::span<const Overlap> overlaps);
 
