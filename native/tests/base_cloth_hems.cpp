@@ -17,8 +17,8 @@ MeshData over_the_end(float hem) {
     return with_part(tube(24, 20, 0.1f, 0.2f), tube(24, 20, 0.105f, 0.4f), {hem, 0.0f, 0.0f});
 }
 
-// Where it covers two centimetres, it may draw back by seven tenths of that, and farther away by more; what it
-// covers may draw back by the rest.
+// Where it covers two centimetres, it may draw back by seven tenths of that, and farther away by more. What
+// it covers may draw back by the rest.
 TEST(BaseClothHems, AHemDoesNotLayBareTheBorderThatItCovers) {
     const Surface surface = build(over_the_end(0.18f));
     const std::vector<float> room = room_over_parts(surface, find_hems(surface), find_overlaps(surface));
