@@ -13,9 +13,9 @@ from .base_mesh import BaseMesh
 from .body import OwnSkin
 from .connected import border_sides
 from .connected import parts as connected_parts
-from .connected import places as places_of
 from .healing import CUT
 from .rigid_parts import RigidParts
+from .vertices import places as places_of
 from .wording import UserError
 
 SMALL, SMALL_AND_CLOSED = 0.05, 0.12  # of the largest part's diagonal: sheets, and bodies without a border

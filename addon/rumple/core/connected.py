@@ -2,22 +2,9 @@
 """What of a mesh hangs together. Never imports bpy."""
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
-if TYPE_CHECKING:
-    from .base_mesh import BaseMesh
-
-
-def places(positions: np.ndarray) -> np.ndarray:
-    """(n,) a number for each of (n, 3) vertices, the same for those at one place."""
-    found = np.arange(len(positions))
-    if len(found):
-        order = np.lexsort(positions.T)
-        moved = (np.diff(positions[order], axis=0) != 0.0).any(1)
-        found[order] = np.concatenate([[0], np.cumsum(moved)])
-    return found
+from .base_mesh import BaseMesh
 
 
 def spokes(base: BaseMesh) -> tuple[np.ndarray, np.ndarray]:

@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from .base_mesh import BaseMesh
-from .connected import lowest_connected, parts, places
+from .connected import lowest_connected, parts
+from .vertices import places
 
 FLARE = 1.4  # length of the lower opening over that of the upper one
 LEAST_OUTLINE = 0.75  # of a sheet: its outline squared over that of a flat disc of its area; a cap has a half

@@ -12,7 +12,8 @@ import numpy as np
 
 from ..native import kernels
 from .base_mesh import BaseMesh
-from .connected import lowest_connected, places, spokes
+from .connected import lowest_connected, spokes
+from .vertices import places
 from .frame_result import FrameResult
 from .keep_smooth import move
 from .shown_mesh import ShownMesh

@@ -10,10 +10,9 @@ import numpy as np
 
 from ..native import kernels
 from .body import OwnSkin
-from .connected import places
 from .frame_result import Attribute, FrameResult
-from .samples import nearest_of
 from .triangles import columnwise, corner_weights, frames_of, rowwise
+from .vertices import nearest_of, places
 
 FAR = 0.02  # of the diagonal of the cloth: what is so far from the cloth is not fixed to it
 FEWEST_ANCHORS, MOST_ANCHORS = 8, 64

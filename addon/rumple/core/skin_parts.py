@@ -13,8 +13,8 @@ import numpy as np
 from .base_mesh import BaseMesh
 from .capped_parts import ends_in
 from .connected import borders
-from .samples import MOST, lengths, nearest_of, sample_of, samples_of
 from .triangles import area_vectors, vertex_normals
+from .vertices import MOST, lengths, nearest_of, sample_of, samples_of
 
 OPENING = 1.0 / 110.0  # radius over the diagonal of the mesh: smaller borders are of eyes, mouths and eyelets
 GARMENT, HAND = 0.15, 0.08  # of that diagonal: no garment is smaller, and no skin but what is on skin

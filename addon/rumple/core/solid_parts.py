@@ -7,8 +7,8 @@ from __future__ import annotations
 import numpy as np
 
 from .base_mesh import BaseMesh
-from .samples import nearest_of, sample_of, samples_of
 from .skin_parts import NEAR, Parts
+from .vertices import nearest_of, sample_of, samples_of
 
 SOLID = 0.04  # least volume over area^1.5: a cube has 0.068, a flat pouch 0.043, a body 0.03, a padded jacket 0.008
 MOST_SIZE = 0.45  # of the diagonal of the mesh

@@ -1,6 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Triangles: normals, frames, what is inside of them, and values of what is embedded in them, row by row in NumPy.
-Never imports bpy."""
+"""Triangles: normals, frames, and values of what is embedded in them, row by row in NumPy. Never imports bpy."""
 from __future__ import annotations
 
 from typing import Any
@@ -34,22 +33,6 @@ def vertex_normals(positions: np.ndarray, triangles: np.ndarray) -> np.ndarray:
     normals = np.zeros((len(positions), 3))
     np.add.at(normals, triangles, area_vectors(positions, triangles)[:, None])
     return normals
-
-
-def winding(points: np.ndarray, corners: np.ndarray) -> np.ndarray:
-    """(n,) float64: how often triangles (t, 3, 3) go around points (n, 3), without its sign (Jacobson, Kavan and
-    Sorkine-Hornung 2013, equation 5, with the solid angles of van Oosterom and Strackee 1983). Cost: 50 ns for each
-    pair."""
-    out = np.zeros(len(points))
-    step = max(PAIRS_AT_ONCE // max(len(corners), 1), 1)
-    for first in range(0, len(points), step):
-        of = points[first:first + step, None, None].astype(np.float64)
-        a, b, c = np.moveaxis(corners[None].astype(np.float64) - of, 2, 0)
-        la, lb, lc = (np.sqrt((side * side).sum(-1)) for side in (a, b, c))
-        volume = (a * np.cross(b, c)).sum(-1)
-        turned = la * lb * lc + (a * b).sum(-1) * lc + (b * c).sum(-1) * la + (c * a).sum(-1) * lb
-        out[first:first + step] = np.abs(np.arctan2(volume, turned).sum(axis=1)) / (2.0 * np.pi)
-    return out
 
 
 def at_border(triangles: np.ndarray) -> np.ndarray:

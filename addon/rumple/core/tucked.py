@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from .samples import nearest_of
+from .vertices import nearest_of
 
 FADE = 0.07  # of the garment's diagonal: over this distance the hold fades out, as that of a cuff (native/.../pins.cpp)
 HELD = 0.9  # of a hem that follows so firmly nothing comes out

@@ -12,8 +12,8 @@ from mathutils.bvhtree import BVHTree
 
 from ...core import hangs_free, transforms
 from ...core.cloth import size_factor
-from ...core.connected import places
 from ...core.triangles import at_border
+from ...core.vertices import places
 from .. import compat
 from . import bodies, body_search, cloth_defaults, incoming_mesh, mesh_reader, painted_maps, properties, rig_scale
 

@@ -12,9 +12,10 @@ from mathutils.bvhtree import BVHTree
 from ...core import transforms, tucked
 from ...core.base_mesh import BaseMesh
 from ...core.cloth import size_factor, suggested_follow
-from ...core.connected import borders, places
+from ...core.connected import borders
 from ...core.engine import UserError
 from ...core.triangles import vertex_normals
+from ...core.vertices import places
 from .. import compat
 from . import cloth_defaults, painted_maps, properties, rig_scale
 

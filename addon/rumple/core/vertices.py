@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Some vertices that stand for many, and which of others are near. Never imports bpy."""
+"""Which vertices are at one place, which are near, and some that stand for many. Never imports bpy."""
 from __future__ import annotations
 
 import numpy as np
@@ -7,6 +7,16 @@ import numpy as np
 from .triangles import PAIRS_AT_ONCE
 
 MOST = 2000  # vertices of a part that stand for it
+
+
+def places(positions: np.ndarray) -> np.ndarray:
+    """(n,) a number for each of (n, 3) vertices, the same for those at one place."""
+    found = np.arange(len(positions))
+    if len(found):
+        order = np.lexsort(positions.T)
+        moved = (np.diff(positions[order], axis=0) != 0.0).any(1)
+        found[order] = np.concatenate([[0], np.cumsum(moved)])
+    return found
 
 
 def nearest_of(points: np.ndarray, positions: np.ndarray, others: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
