@@ -21,6 +21,7 @@ UPRIGHT = 0.7  # cosine between the normals of a cap and of what goes through it
 ARC_TANGENT = (-0.3333314528, 0.1999355085, -0.1420889944, 0.1065626393, -0.0752896400, 0.0429096138, -0.0161657367,
                0.0028662257)
 OF_CAP, OF_BODY = 24, 2000  # polygons, and vertices, that are looked at
+MOST_PANELS = 500  # the largest that may be caps
 
 
 def ends_in(base: BaseMesh, ends: list[tuple[int, np.ndarray]], part: np.ndarray, hosts: np.ndarray) -> np.ndarray:
@@ -30,9 +31,11 @@ def ends_in(base: BaseMesh, ends: list[tuple[int, np.ndarray]], part: np.ndarray
     inside = np.zeros((len(ends), len(hosts)), bool)
     for column, host in enumerate(hosts.tolist()):
         corners = base.positions[base.triangles[of_triangle == host]]
+        low, high = corners.min(axis=(0, 1)), corners.max(axis=(0, 1))
         for row, (number, border) in enumerate(ends):
-            if number != host:
-                inside[row, column] = (winding(base.positions[border], corners) > INSIDE).mean() >= MOSTLY
+            points = base.positions[border]
+            if number != host and ((points >= low) & (points <= high)).all(axis=1).mean() >= MOSTLY:
+                inside[row, column] = (winding(points, corners) > INSIDE).mean() >= MOSTLY
     return inside
 
 
@@ -47,20 +50,20 @@ def find_caps(base: BaseMesh, part: np.ndarray, place: np.ndarray, garments: np.
     asked = np.flatnonzero(garments[own])
     if not len(asked):
         return caps.astype(np.int32)
-    within = [_Body.of(base, base.triangles[part[base.triangles[:, 0]] == body]) if is_body else None
-              for body, is_body in enumerate(bodies)]
+    within = {body: _Body.of(base, base.triangles[part[base.triangles[:, 0]] == body])
+              for body in np.flatnonzero(bodies).tolist()}
     middles, normals = _middles(base), _polygon_normals(base)
     areas = lengths(normals)
     most = MOST_AREA * np.bincount(own, areas, len(garments))
-    panels = _panels(base, place, normals)[asked]
-    ends = np.cumsum(np.unique(panels, return_counts=True)[1])
-    for polygons in np.split(asked[np.argsort(panels, kind="stable")], ends[:-1]):
-        area, one_way = areas[polygons].sum(), normals[polygons].sum(axis=0)
-        if area > most[own[polygons[0]]] or float(lengths(one_way)) < FLAT * area:
-            continue
+    _, first, panel = np.unique(_panels(base, place, normals)[asked], return_index=True, return_inverse=True)
+    area = np.bincount(panel.ravel(), areas[asked])
+    one_way = np.stack([np.bincount(panel.ravel(), normals[asked, k]) for k in range(3)], axis=1)
+    candidates = np.flatnonzero((area <= most[own[asked[first]]]) & (lengths(one_way) >= FLAT * area))
+    for number in candidates[np.argsort(-area[candidates], kind="stable")[:MOST_PANELS]].tolist():
+        polygons = asked[panel.ravel() == number]
         some = middles[sample_of(polygons, OF_CAP)]
-        caps[polygons] = any(body.goes_through(some, one_way) for number, body in enumerate(within)
-                             if body is not None and number != own[polygons[0]])
+        caps[polygons] = any(body.goes_through(some, one_way[number]) for part_of_it, body in within.items()
+                             if part_of_it != own[polygons[0]])
     return _numbered(base, place, caps)
 
 
@@ -110,21 +113,23 @@ class _Body:
     """What may be inside of a garment."""
 
     corners: np.ndarray  # (t, 3, 3) of its triangles
+    low: np.ndarray  # (3,) of its box
+    high: np.ndarray  # (3,)
     places: np.ndarray  # (v, 3) of some of its vertices
     normals: np.ndarray  # (v, 3) unit, of these
 
     @classmethod
     def of(cls, base: BaseMesh, triangles: np.ndarray) -> "_Body":
-        some = sample_of(np.unique(triangles), OF_BODY)
+        corners, some = base.positions[triangles], sample_of(np.unique(triangles), OF_BODY)
         normals = vertex_normals(base.positions, triangles)[some]
-        return cls(base.positions[triangles], base.positions[some],
+        return cls(corners, corners.min(axis=(0, 1)), corners.max(axis=(0, 1)), base.positions[some],
                    normals / np.maximum(lengths(normals), 1e-30)[:, None])
 
     def goes_through(self, points: np.ndarray, normal: np.ndarray) -> bool:
         """Whether it goes through a panel: it has some of its points inside, and its surface stands upright there on
         the panel, as a neck does in a collar. Where skin only comes through cloth, both face the same way."""
-        near = ((points >= self.corners.min(axis=(0, 1))) & (points <= self.corners.max(axis=(0, 1)))).all(axis=1)
-        inside = points[near][winding(points[near], self.corners) > INSIDE]
+        near = ((points >= self.low) & (points <= self.high)).all(axis=1)
+        inside = points[near][winding(points[near], self.corners) > INSIDE] if near.any() else points[:0]
         if not len(inside):
             return False
         beside = self.normals[nearest_of(inside, self.places, np.arange(len(self.places)))[0]]

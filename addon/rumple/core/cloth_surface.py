@@ -44,12 +44,14 @@ def without_rigid_parts(base: BaseMesh, weld: bool, small: bool = True) -> BaseM
         return base
     places = places_of(base.positions) if weld else np.arange(len(base.positions))
     parts = connected_parts(base, _cut_apart(base, places))
-    chosen = skin = stays = garments = capped = np.zeros(int(parts.max(initial=-1)) + 1, bool)
+    dressed = skin_parts.Dressed.none(int(parts.max(initial=-1)) + 1)
+    chosen = skin = stays = dressed.skin
     if small and len(np.unique(parts[base.corner_vertex])) > 1:
         chosen = _rigid(base, parts, places)
         measured = skin_parts.measured(base, parts, places, len(chosen))
-        skin, shoes, garments, capped = skin_parts.find_skin(base, measured, parts, chosen)
-        solid = shoes | solid_parts.find_solid(measured, chosen | skin | shoes | capped)
+        dressed = skin_parts.find_skin(base, measured, parts, chosen)
+        skin, known = dressed.skin, dressed.skin | dressed.shoes | dressed.capped
+        solid = dressed.shoes | solid_parts.find_solid(measured, chosen | known)
         chosen |= skin | solid
         stays = skin | (solid & ~solid_parts.lies_on_cloth(base, measured, parts, solid, chosen))
     painted = _painted(base, parts, chosen)
@@ -60,7 +62,7 @@ def without_rigid_parts(base: BaseMesh, weld: bool, small: bool = True) -> BaseM
     if not chosen.any():
         return base
     is_rigid = chosen[part_of_polygon]
-    caps = capped_parts.find_caps(base, parts, places, garments & ~chosen, skin | capped)
+    caps = capped_parts.find_caps(base, parts, places, dressed.garments & ~chosen, dressed.limbs | dressed.capped)
     if caps.any():  # parts of their own, which ride on the cloth
         corner_cap = np.repeat(caps, np.diff(base.polygon_start))
         parts, skin, stays = parts.copy(), *(np.append(of, np.zeros(caps.max(), bool)) for of in (skin, stays))
