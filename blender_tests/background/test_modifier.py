@@ -239,6 +239,33 @@ class AddedAgain(unittest.TestCase):
             obj = self.add(lambda *_: bpy.ops.object.rumple_capture_rest(frame=5), method, by_hand=False)
             self.assertEqual(properties.group_of(obj).rest_shape, "REST_POSE")
 
+    def test_what_refuses_for_another_reason_keeps_them(self) -> None:
+        """The scale is wrong, and the settings were gone for good: a click that is refused is no step of undo."""
+        obj = sleeve.scene(wrinkles=False)
+        bpy.ops.object.rumple_add(method="MESH")
+        obj.rumple.mesh.density, obj.rumple.mesh.level, obj.rumple.most_vertices = "LEVEL", 2, 400_000
+        bpy.ops.object.rumple_remove()
+        obj.scale = (0.0, 0.0, 0.0)
+        bpy.context.view_layer.update()
+        with mock.patch.object(operators.OBJECT_OT_rumple_add, "_may_wait", True):
+            with self.assertRaises(RuntimeError):
+                bpy.ops.object.rumple_add(method="MESH")
+        kept = obj.rumple.mesh.density, obj.rumple.mesh.level, obj.rumple.most_vertices
+        self.assertEqual(kept, ("LEVEL", 2, 400_000))
+
+    def test_folds_are_as_wide_as_on_the_first_click(self) -> None:
+        obj = sleeve.scene(wrinkles=False)
+        obj.rumple.mesh.property_unset("base_cloth")
+        sleeve.under(obj, "Human")
+        found = []
+        for _ in range(2):
+            with mock.patch.object(operators.OBJECT_OT_rumple_add, "_may_wait", bool(found)):
+                bpy.ops.object.rumple_add(method="MESH")
+            found.append((obj.rumple.mesh.wavelength, obj.rumple.mesh.density, obj.rumple.mesh.base_cloth))
+            obj.rumple.most_vertices, obj.rumple.mesh.density, obj.rumple.mesh.level = 1000, "LEVEL", 3
+            bpy.ops.object.rumple_remove()
+        self.assertEqual(found[0], found[1])
+
     def test_settings_that_refuse_the_fine_mesh_are_let_go(self) -> None:
         """Each click was refused, for ever."""
         def most(obj: bpy.types.Object, settings: Any) -> None:

@@ -74,6 +74,22 @@ class Tucked(unittest.TestCase):
                 bpy.ops.object.rumple_remove()
                 bpy.data.objects.remove(bpy.data.objects["Glove"])
 
+    def test_a_mask_of_weight_paint_leaves_nothing_out(self) -> None:
+        """With nothing selected all of the map was 0, and the garment pinned nowhere."""
+        self.wear(1.15)
+        self.obj.data.use_paint_mask_vertex = True
+        self.obj.data.vertices.foreach_set("select", np.zeros(len(self.obj.data.vertices), bool))
+        along = compat.positions(self.obj.data)[:, 0]
+        weights = self.click()
+        self.assertEqual(weights[(along == along.max()) | (along == along.min())].min(), 1.0)
+
+    def test_a_click_that_is_refused_leaves_no_map(self) -> None:
+        self.wear(1.15)
+        self.obj.rumple.mesh.source = "OBJECT"
+        with self.assertRaises(RuntimeError):
+            self.click()
+        self.assertNotIn(GROUP, self.obj.vertex_groups)
+
     def test_what_was_painted_stays(self) -> None:
         self.wear(1.15)
         self.obj.vertex_groups.new(name=GROUP).add([3], 0.25, "REPLACE")

@@ -63,6 +63,8 @@ def without_rigid_parts(base: BaseMesh, weld: bool, small: bool = True) -> BaseM
         return base
     is_rigid = chosen[part_of_polygon]
     caps = capped_parts.find_caps(base, parts, places, dressed.garments & ~chosen, dressed.limbs | dressed.capped)
+    for doubled in base.own_origin().copies:  # the same of caps
+        caps[np.isin(caps, caps[doubled.lies_on])] = 0
     if caps.any():  # parts of their own, which ride on the cloth
         corner_cap = np.repeat(caps, np.diff(base.polygon_start))
         parts, skin, stays = parts.copy(), *(np.append(of, np.zeros(caps.max(), bool)) for of in (skin, stays))

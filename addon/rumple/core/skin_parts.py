@@ -111,10 +111,12 @@ def _lies_on_skin(positions: np.ndarray, part: np.ndarray, asked: np.ndarray, sk
     to_skin, to_garment = (sample_of(np.flatnonzero(chosen[part]), MOST) for chosen in (skin, garment))
     nearer = np.zeros(len(asked), bool)
     most = min(max(OF_PARTS // max(int(asked.sum()), 1), LEAST_OF_PART), MOST_OF_PART)
-    for number, vertices in samples_of(part, asked).items():
-        own = sample_of(vertices, most)
-        skin_away, garment_away = (nearest_of(positions[own], positions, to)[1].mean() for to in (to_skin, to_garment))
-        nearer[number] = skin_away < garment_away
+    own = [sample_of(vertices, most) for vertices in samples_of(part, asked).values()]
+    if own:
+        every = np.concatenate(own)
+        away = (nearest_of(positions[every], positions, to)[1] for to in (to_skin, to_garment))
+        skin_away, garment_away = (np.bincount(part[every], each, len(asked)) for each in away)
+        nearer = skin_away < garment_away
     return nearer
 
 

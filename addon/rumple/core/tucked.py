@@ -12,10 +12,11 @@ HELD = 0.9  # of a hem that follows so firmly nothing comes out
 LEAST_SHARE = 0.3  # of a border: with less it is only touched by what lies over it
 
 
-def held(follow: np.ndarray, positions: np.ndarray, tucked: np.ndarray) -> np.ndarray:
+def held(follow: np.ndarray, positions: np.ndarray, tucked: np.ndarray, diagonal: float) -> np.ndarray:
     """(n,) float32: how firmly each vertex follows the animation, 1 where it is tucked in. follow: (n,), before.
-    positions: (n, 3) at rest; tucked: vertices, at least one. Cost: 5 us for each vertex near them."""
-    fade = FADE * float(np.sqrt((np.ptp(positions, axis=0) ** 2).sum()))
+    positions: (n, 3) at rest; tucked: vertices, at least one. diagonal: of the cloth. Cost: 5 us for each vertex near
+    them."""
+    fade = FADE * diagonal
     low, high = positions[tucked].min(axis=0) - fade, positions[tucked].max(axis=0) + fade
     near = np.flatnonzero(((positions >= low) & (positions <= high)).all(axis=1))
     share = np.zeros(len(positions))

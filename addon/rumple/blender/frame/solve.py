@@ -305,8 +305,9 @@ def _incoming(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier, runtime
     shown = nodes_mod.show_render if depsgraph.mode == "RENDER" else nodes_mod.show_viewport
     if positions is None and shown:
         arriving = len(obj.evaluated_get(depsgraph).data.vertices)
-        if arriving or not _evaluate_outputs(nodes_mod, runtime, units.frame_of(depsgraph.scene)):
-            _follow_topology(obj, nodes_mod, runtime, arriving, depsgraph.mode == "RENDER")
+        in_render = depsgraph.mode == "RENDER"
+        if arriving or in_render or not _evaluate_outputs(nodes_mod, runtime, units.frame_of(depsgraph.scene)):
+            _follow_topology(obj, nodes_mod, runtime, arriving, in_render)
     else:
         runtime.empty_at = None
     return positions

@@ -65,7 +65,7 @@ def paint(obj: bpy.types.Object, scene: bpy.types.Scene, trees: dict[bpy.types.O
     free = hangs_free.share_of_sheet(rest) if sheet else _free_of_bodies(obj, rest, scene, trees)
     if free is None or (free[_cloth_vertices(obj)] > 0.5).mean() < hangs_free.LEAST_FREE:
         return False
-    painted_maps.write(obj, painted, (np.round(free * STEPS) / STEPS).astype(np.float32))
+    painted_maps.write(obj, painted, (np.round(free * STEPS) / STEPS).astype(np.float32), masked=False)
     return True
 
 

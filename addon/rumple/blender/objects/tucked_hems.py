@@ -12,6 +12,7 @@ from mathutils.bvhtree import BVHTree
 from ...core import transforms, tucked
 from ...core.base_mesh import BaseMesh
 from ...core.cloth import size_factor, suggested_follow
+from ...core.cloth_surface import without_rigid_parts
 from ...core.connected import borders
 from ...core.engine import UserError
 from ...core.triangles import vertex_normals
@@ -33,16 +34,16 @@ def paint(obj: bpy.types.Object, scene: bpy.types.Scene, trees: dict[bpy.types.O
     if not compat.is_editable(obj) or not compat.is_editable(obj.data) or cloth_defaults.is_skirt(obj):
         return
     try:
-        base = cloth_defaults.cloth_at_rest(obj).healed(True)
+        base = without_rigid_parts(cloth_defaults.cloth_at_rest(obj).healed(True), True, settings.rigid_parts)
         hidden = _tucked(obj, base, trees, scene)
         follow = suggested_follow(base.surface(True), settings.up) if len(hidden) else np.zeros(0)
     except UserError:
         return  # what is wrong with it is said where it is built
     if not (follow[hidden] < tucked.HELD).any():
         return  # a waistband under a shirt
-    weights = tucked.held(follow, base.positions, hidden)[:base.own_origin().vertex_count]
+    weights = tucked.held(follow, base.positions, hidden, base.diagonal())[:base.own_origin().vertex_count]
     weights = cloth_defaults.on_own_vertices(obj, np.round(weights * STEPS) / STEPS)
-    painted_maps.write(obj, painted, weights.astype(np.float32))
+    painted_maps.write(obj, painted, weights.astype(np.float32), masked=False)
 
 
 def _tucked(obj: bpy.types.Object, base: BaseMesh, trees: dict[bpy.types.Object, BVHTree],

@@ -5,6 +5,8 @@ bpy.ops.object.rumple_add(method="MESH"), rumple_remove(), rumple_capture_rest()
 """
 from __future__ import annotations
 
+from typing import Any
+
 import bpy
 
 from ... import native
@@ -21,7 +23,9 @@ from ..translation import said
 from . import fabrics, thumbnails, wave_materials
 
 _NEXT = "Next: play it; fabric and folds are set in its panel, in the modifier tab"
-_OF_FINE_MESH = ("rest_shape", "source", "density", "level", "segments", "edge_length", "display_steps", "detail")
+_OF_FINE_MESH = ("rest_shape", "source", "density", "level", "segments", "edge_length", "display_steps", "detail",
+                 "most_vertices")
+Setting = tuple[bpy.types.PropertyGroup, str]
 NOT_SHOWN = "The wrinkles do not show: switch the modifier on in the viewport first"
 
 
@@ -40,6 +44,13 @@ def _other_mesh(scene: bpy.types.Scene, name: str, obj: bpy.types.Object) -> bpy
     """What can be the body of an object, by its name in the scene."""
     found = scene.objects.get(name)
     return found if found is not None and found != obj and bodies.can_be_body(found) else None
+
+
+def _set_properties(obj: bpy.types.Object) -> dict[Setting, Any]:
+    """Of the settings of its method, and of its limit on vertices, those that are set, with their values."""
+    of_method = properties.group_of(obj)
+    settings = [(of_method, name) for name in properties.fields_of(obj)] + [(obj.rumple, "most_vertices")]
+    return {(group, name): getattr(group, name) for group, name in settings if group.is_property_set(name)}
 
 
 class OBJECT_OT_rumple_add(bpy.types.Operator):
@@ -115,7 +126,9 @@ class OBJECT_OT_rumple_add(bpy.types.Operator):
 
     def _add_wrinkles(self, context: bpy.types.Context, obj: bpy.types.Object) -> set[str]:
         runtimes.forget(obj)
-        notes, by_hand = self._set_up(context, obj), self._may_wait
+        obj.rumple.method = self.method
+        kept, maps, by_hand = _set_properties(obj), set(obj.vertex_groups.keys()), self._may_wait
+        notes = self._set_up(context, obj)
         with scheduler.suspended():
             nodes_mod = modifier.add(obj, self.method)
         # Handlers write while the window draws: without the lock a render in the window may crash.
@@ -128,12 +141,14 @@ class OBJECT_OT_rumple_add(bpy.types.Operator):
             self.report({"INFO"}, said(f"{said(properties.system_of(obj).label)} added: its folds are being made"))
             return {"FINISHED"}
         note = self._make(obj, nodes_mod)
-        if modifier.output_object(nodes_mod) is None and by_hand and self._unset_kept(context, obj):
-            note = self._make(obj, nodes_mod)
+        if modifier.output_object(nodes_mod) is None and by_hand:
+            note = self._make_without(context, obj, nodes_mod, kept)
         bodies.connect_all()
         if modifier.output_object(nodes_mod) is None:
             why = runtimes.message(obj) or f"{obj.name}: nothing to wrinkle"
             remove(obj)
+            for group in [group for group in obj.vertex_groups if group.name not in maps]:
+                obj.vertex_groups.remove(group)  # that this click has painted
             return self._refuse(why)
         self._report(obj, notes, [note] if note else [])
         return {"FINISHED"}
@@ -206,24 +221,35 @@ class OBJECT_OT_rumple_add(bpy.types.Operator):
         rebuild.prepare(obj, nodes_mod)
         return modifier.output_object(nodes_mod) is not None
 
-    def _unset_kept(self, context: bpy.types.Context, obj: bpy.types.Object) -> bool:
-        """Forget settings that were kept from a removal and refuse the fine mesh: without wrinkles there is no panel to
-        change them. False where there are none."""
-        settings, why = properties.group_of(obj), runtimes.message(obj)
-        names = {*_OF_FINE_MESH, SYSTEMS[self.method].wrinkles.SUGGESTED} & properties.fields_of(obj).keys()
-        kept = [(settings, name) for name in sorted(names)] + [(obj.rumple, "most_vertices")]
-        kept = [(group, name) for group, name in kept if group.is_property_set(name)]
-        for group, name in kept:
+    def _make_without(self, context: bpy.types.Context, obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier,
+                      kept: dict[Setting, Any]) -> str:
+        """Once more, without settings of the fine mesh that were kept from a removal: without wrinkles there is no
+        panel to change them. They are put back where it is refused all the same. kept: what was set before the click.
+        Returns what _make() does."""
+        width, why = SYSTEMS[self.method].wrinkles.SUGGESTED, runtimes.message(obj)
+        names = {*_OF_FINE_MESH, width}
+        left_out = {setting: value for setting, value in kept.items() if setting[1] in names}
+        if not left_out:
+            return ""
+        for group, name in [*left_out, *(setting for setting in _set_properties(obj) if setting not in kept)]:
             group.property_unset(name)
-        if kept:
+        self.properties.property_unset("width")
+        self._set_up(context, obj)
+        if cloth_defaults.is_cloth(obj):
+            sheet = cloth_defaults.is_sheet(obj, obj.rumple.body)
+            of_cloth = cloth_defaults.defaults(obj, context.scene, sheet)
+            properties.apply_values(obj, context.scene, {name: of_cloth[name] for name in {width} & of_cloth.keys()})
+        note = self._make(obj, nodes_mod)
+        if modifier.output_object(nodes_mod) is not None:
             self.report({"WARNING"}, said(why))
-            self._set_defaults(context, obj)
-        return bool(kept)
+            return note
+        for (group, name), value in left_out.items():
+            setattr(group, name, value)
+        return note
 
     def _set_defaults(self, context: bpy.types.Context, obj: bpy.types.Object) -> set[str]:
         """What was set before a removal stays; lengths that were never set suit the mesh and the scene's unit. Returns
         their names."""
-        obj.rumple.method = self.method
         settings = properties.group_of(obj)
         lengths = {name for name, f in properties.fields_of(obj).items()
                    if f.metadata["unit"] == "LENGTH" and not settings.is_property_set(name)}
