@@ -33,10 +33,11 @@ def capped_sleeve(deep: float = 0.0) -> BaseMesh:
     return quad_mesh("Sleeve", rows.reshape(-1, 3), mesh.corner_vertex.reshape(-1, 4))
 
 
-def bag(radius: float, length: float, z: float) -> BaseMesh:
-    """A hand, or a shoe: a tube that is drawn together into a round end at the top."""
+def bag(radius: float, length: float, z: float, closed: bool = False) -> BaseMesh:
+    """A hand, or a shoe: a tube that is drawn together into a round end at the top; closed: or a whole arm, at both."""
     mesh = tube(20, 12, radius, length)
     height = mesh.positions[:, 2] / length * 2.0 - 1.0
+    height = np.abs(height) if closed else height
     share = np.sqrt(1.0 - np.clip(height, 0.0, 0.999) ** 2)
     return quad_mesh("Bag", mesh.positions * np.c_[share, share, np.ones(len(share))] + (0.0, 0.0, z),
                      mesh.corner_vertex.reshape(-1, 4))
@@ -95,6 +96,17 @@ class WhatIsCloth(unittest.TestCase):
         assert rigid is not None
         self.assertEqual(polygons, len(sides.polygon_start) - 1)
 
+    def test_pleats_that_skin_comes_through_are_no_caps(self) -> None:
+        """Each of their strips stands upright on the hand. They were cut out, and it took seconds."""
+        sides, rows = 120, 12
+        plain = tube(sides, rows)
+        pleats = plain.positions.reshape(rows + 1, sides, 3) * np.ones(3, np.float32)
+        pleats[:, 1::2, :2] *= 1.08
+        pleated = quad_mesh("Pleats", pleats.reshape(-1, 3), plain.corner_vertex.reshape(-1, 4))
+        polygons, rigid = split(pleated, bag(0.0521, 0.6, -0.15, closed=True))
+        assert rigid is not None
+        self.assertEqual(polygons, sides * rows)
+
     def test_shoes_stay_and_are_not_crumpled(self) -> None:
         shoe = bag(0.055, 0.2, -0.45)  # below the other sleeve, far from skin
         flat = quad_mesh("Shoe", shoe.positions * (0.5, 1.2, 1.0), shoe.corner_vertex.reshape(-1, 4))
@@ -105,6 +117,18 @@ class WhatIsCloth(unittest.TestCase):
 
 
 class Caps(unittest.TestCase):
+
+    def test_with_faces_on_them_they_are_cloth(self) -> None:
+        """Caps with two sides: the second ones lie on faces that were no longer there, and no frame was solved."""
+        quads = SLEEVE.corner_vertex.reshape(-1, 4)
+        of_caps = np.concatenate([quads[:2 * AROUND], quads[-2 * AROUND:]])[:, ::-1]
+        doubled = quad_mesh("Doubled", SLEEVE.positions, np.concatenate([quads, of_caps]))
+        base = together(doubled, HAND, ELBOW, OTHER_SLEEVE)
+        mesh, result = solved(base, CLOTH, leant(base.positions))
+        rigid = mesh.base.rigid
+        assert rigid is not None
+        self.assertEqual(rigid.lines(), ["Parts that are skin and stay as they are animated: 2"])
+        self.assertTrue(np.isfinite(result.positions).all())
 
     def test_they_close_the_cloth_wherever_it_goes(self) -> None:
         """They were fixed to the nearest of the cloth, all of it on one side, and flew off by centimetres."""

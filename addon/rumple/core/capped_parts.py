@@ -17,6 +17,7 @@ INSIDE = 0.5  # winding number
 MOSTLY = 0.5  # of the vertices of a border: where it ends
 CREASE = math.cos(math.radians(40.0))  # between the normals of neighbours: at a cap there are 50 degrees and more
 FLAT, MOST_AREA = 0.5, 0.2  # of a cap: how much of its area looks one way, and its share of the garment's
+ROUND = 0.06  # its area over its diagonal squared, at least: of a disc 0.4, of the strip of a pleat 0.03 and less
 UPRIGHT = 0.7  # cosine between the normals of a cap and of what goes through it, at most
 ARC_TANGENT = (-0.3333314528, 0.1999355085, -0.1420889944, 0.1065626393, -0.0752896400, 0.0429096138, -0.0161657367,
                0.0028662257)
@@ -58,13 +59,26 @@ def find_caps(base: BaseMesh, part: np.ndarray, place: np.ndarray, garments: np.
     _, first, panel = np.unique(_panels(base, place, normals)[asked], return_index=True, return_inverse=True)
     area = np.bincount(panel.ravel(), areas[asked])
     one_way = np.stack([np.bincount(panel.ravel(), normals[asked, k]) for k in range(3)], axis=1)
-    candidates = np.flatnonzero((area > 0.0) & (area <= most[own[asked[first]]]) & (lengths(one_way) >= FLAT * area))
+    panel_of_polygon = np.full(len(own), -1)
+    panel_of_polygon[asked] = panel.ravel()
+    candidates = np.flatnonzero((area <= most[own[asked[first]]]) & (lengths(one_way) >= FLAT * area)
+                                & (area > ROUND * _sizes(base, panel_of_polygon, len(area)) ** 2))
     for number in candidates[np.argsort(-area[candidates], kind="stable")[:MOST_PANELS]].tolist():
         polygons = asked[panel.ravel() == number]
         some = middles[sample_of(polygons, OF_CAP)]
         caps[polygons] = any(body.goes_through(some, one_way[number]) for part_of_it, body in within.items()
                              if part_of_it != own[polygons[0]])
     return _numbered(base, place, caps)
+
+
+def _sizes(base: BaseMesh, panel: np.ndarray, count: int) -> np.ndarray:
+    """(count,) the diagonals of panels. panel: (p,) of the polygons, -1 for none."""
+    of_corner = np.repeat(panel, np.diff(base.polygon_start))
+    points, of = base.positions[base.corner_vertex[of_corner >= 0]], of_corner[of_corner >= 0]
+    low, high = np.full((count, 3), np.inf), np.full((count, 3), -np.inf)
+    np.minimum.at(low, of, points)
+    np.maximum.at(high, of, points)
+    return lengths(high - low)
 
 
 def _numbered(base: BaseMesh, place: np.ndarray, chosen: np.ndarray) -> np.ndarray:
