@@ -103,7 +103,7 @@ class WhatIsCloth(unittest.TestCase):
         pleats = plain.positions.reshape(rows + 1, sides, 3) * np.ones(3, np.float32)
         pleats[:, 1::2, :2] *= 1.08
         pleated = quad_mesh("Pleats", pleats.reshape(-1, 3), plain.corner_vertex.reshape(-1, 4))
-        polygons, rigid = split(pleated, bag(0.0521, 0.6, -0.15, closed=True))
+        polygons, rigid = split(pleated, bag(0.053, 0.6, -0.15, closed=True))
         assert rigid is not None
         self.assertEqual(polygons, sides * rows)
 
