@@ -62,7 +62,7 @@ def is_sheet(obj: bpy.types.Object, body: bpy.types.Object | None) -> bool:
     if body is None or not len(body.data.vertices):
         return False
     into = np.array(obj.matrix_world.inverted_safe() @ body.matrix_world, np.float32)
-    wearer = transforms.placed(into, mesh_reader.basis_positions(body.data))
+    wearer = transforms.placed(into, mesh_reader.rest_positions(body, "REST_POSE", ""))
     return flared.is_sheet(cloth_at_rest(obj), wearer)
 
 

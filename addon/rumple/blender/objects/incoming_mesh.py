@@ -22,13 +22,13 @@ SUFFIX = ".incoming"
 _CAPTURED = (wrinkle_tree.REST_POSITION, wrinkle_tree.REST_BASIS)
 
 
-_whole: dict[bpy.types.Object, bpy.types.Mesh] = {}  # while whole() lasts
+_mirrored: dict[bpy.types.Object, bpy.types.Mesh] = {}  # while whole() lasts
 
 
 def of(obj: bpy.types.Object) -> bpy.types.Mesh:
     """What is there now; see update()."""
     kept = obj.rumple.incoming
-    return _whole.get(obj, obj.data) if kept is None else kept
+    return _mirrored.get(obj, obj.data) if kept is None else kept
 
 
 def is_own(obj: bpy.types.Object) -> bool:
@@ -64,14 +64,14 @@ def whole(objects: Iterable[bpy.types.Object]) -> Iterator[None]:
     made = []
     try:
         for obj in objects:
-            if obj.type == "MESH" and obj.rumple.incoming is None and obj not in _whole and any(
+            if obj.type == "MESH" and obj.rumple.incoming is None and obj not in _mirrored and any(
                     m.type == "MIRROR" and m.show_viewport for m in modifier.in_front(obj)):
-                _whole[obj] = _evaluated_at_rest(obj)
+                _mirrored[obj] = _evaluated_at_rest(obj)
                 made.append(obj)
         yield
     finally:
         for obj in made:
-            bpy.data.meshes.remove(_whole.pop(obj))
+            bpy.data.meshes.remove(_mirrored.pop(obj))
 
 
 def forget(obj: bpy.types.Object) -> None:
