@@ -228,10 +228,7 @@ class HangsFree(unittest.TestCase):
     """It is painted where a garment hangs free of the body."""
 
     def setUp(self) -> None:
-        self.obj = sleeve.scene(wrinkles=False)
-        for settings in (self.obj.rumple.mesh, self.obj.rumple.field, self.obj.rumple.paths):  # the click says
-            settings.property_unset("base_cloth")
-        sleeve.under(self.obj, "Human")
+        self.obj = sleeve.to_be_cloth()
 
     def widen(self, narrow: int = 2) -> np.ndarray:
         """A balloon sleeve, of a shorter balloon the greater `narrow` is. (n,) bool: the vertices in its middle."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import unittest
 
+import bmesh
 import bpy
 import numpy as np
 from rumple.blender import compat
@@ -18,16 +19,13 @@ class Tucked(unittest.TestCase):
     """A sleeve over an arm that points down, its end in a glove: the upper end is pinned in any case."""
 
     def setUp(self) -> None:
-        self.obj = sleeve.scene(wrinkles=False)
-        for settings in (self.obj.rumple.mesh, self.obj.rumple.field, self.obj.rumple.paths):  # the click says
-            settings.property_unset("base_cloth")
-        sleeve.under(self.obj, "Human")
+        self.obj = sleeve.to_be_cloth()
 
-    def wear(self, radius: float) -> None:
-        """A glove around the end of the sleeve, of that many of its radii."""
+    def wear(self, radius: float, length: float = 0.4) -> None:
+        """A glove around the end of the sleeve, of that many of its radii and lengths."""
         mesh = sleeve.tube("Glove")
         for vertex in mesh.vertices:
-            vertex.co.x = 0.85 * sleeve.LENGTH + 0.4 * vertex.co.x
+            vertex.co.x = 0.85 * sleeve.LENGTH + length * vertex.co.x
             vertex.co.yz *= radius
         sleeve.skinned(mesh, bpy.data.objects["Arm"], "Glove")
 
@@ -53,6 +51,28 @@ class Tucked(unittest.TestCase):
                 self.assertEqual(weights[along == along.min()].min(), 1.0)
                 bpy.ops.object.rumple_remove()
                 self.obj.vertex_groups.remove(self.obj.vertex_groups[GROUP])
+
+    def test_the_edge_of_a_cap_is_a_hem(self) -> None:
+        """It is none of the mesh with its caps, so that a map of its pins left collar and cuffs free."""
+        bpy.data.objects.remove(bpy.data.objects["Human"])
+        bpy.data.objects.remove(self.obj)
+        mesh = sleeve.tube()
+        parts = bmesh.new()
+        for first, length, radius in ((0.0, 1.0, 1.0), (0.8, 0.5, 0.85), (-0.3, 0.5, 0.85)):  # a hand, an elbow in it
+            parts.from_mesh(mesh)
+            parts.verts.ensure_lookup_table()
+            own = parts.verts[-len(mesh.vertices):]
+            for vertex in own:
+                vertex.co.x = sleeve.LENGTH * first + length * vertex.co.x
+                vertex.co.yz *= radius
+            if first >= 0.0:
+                parts.faces.new(own[-sleeve.AROUND:])
+        parts.to_mesh(mesh)
+        self.obj = sleeve.skinned(mesh, bpy.data.objects["Arm"])
+        self.obj.rumple.mesh.property_unset("base_cloth")
+        self.wear(1.15, 0.8)
+        at_cap = np.abs(compat.positions(mesh)[:sleeve.AROUND * sleeve.ALONG, 0] - sleeve.LENGTH) < 1e-4
+        self.assertEqual(self.click()[:len(at_cap)][at_cap].min(), 1.0)
 
     def test_with_a_modifier_in_front(self) -> None:
         self.wear(1.15)

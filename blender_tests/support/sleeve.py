@@ -167,6 +167,15 @@ def under(obj: bpy.types.Object, name: str = "Human", radius: float = 0.8) -> bp
     return body
 
 
+def to_be_cloth() -> bpy.types.Object:
+    """The sleeve over an arm, without wrinkles: a first click says what they lie on."""
+    obj = scene(wrinkles=False)
+    for settings in (obj.rumple.mesh, obj.rumple.field, obj.rumple.paths):
+        settings.property_unset("base_cloth")
+    under(obj, "Human")
+    return obj
+
+
 # ---------------------------------------------------------------- what is seen
 def evaluated(obj: bpy.types.Object) -> bpy.types.Object:
     return obj.evaluated_get(bpy.context.evaluated_depsgraph_get())

@@ -19,6 +19,7 @@ CREASE = math.cos(math.radians(40.0))  # between the normals of neighbours: at a
 FLAT, MOST_AREA = 0.5, 0.2  # of a cap: how much of its area looks one way, and its share of the garment's
 ROUND = 0.06  # its area over its diagonal squared, at least: of a disc 0.4, of the strip of a pleat 0.03 and less
 UPRIGHT = 0.7  # cosine between the normals of a cap and of what goes through it, at most
+# Abramowitz and Stegun, Handbook of Mathematical Functions, 4.4.49.
 ARC_TANGENT = (-0.3333314528, 0.1999355085, -0.1420889944, 0.1065626393, -0.0752896400, 0.0429096138, -0.0161657367,
                0.0028662257)
 OF_CAP, OF_BODY = 24, 500  # polygons, and vertices, that are looked at
@@ -110,7 +111,7 @@ def winding(points: np.ndarray, corners: np.ndarray) -> np.ndarray:
 
 
 def _angle(y: np.ndarray, x: np.ndarray) -> np.ndarray:
-    """As numpy.arctan2, to 2e-8, with the same bits everywhere (Abramowitz and Stegun, 4.4.49)."""
+    """As numpy.arctan2, to 2e-8, with the same bits everywhere."""
     high, low = np.maximum(np.abs(x), np.abs(y)), np.minimum(np.abs(x), np.abs(y))
     ratio = low / np.maximum(high, 1e-300)
     square, series = ratio * ratio, np.zeros_like(ratio)

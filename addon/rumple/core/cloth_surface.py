@@ -44,14 +44,14 @@ def without_rigid_parts(base: BaseMesh, weld: bool, small: bool = True) -> BaseM
         return base
     places = places_of(base.positions) if weld else np.arange(len(base.positions))
     parts = connected_parts(base, _cut_apart(base, places))
-    dressed = skin_parts.Dressed.none(int(parts.max(initial=-1)) + 1)
-    chosen = skin = stays = dressed.skin
+    kinds = skin_parts.Kinds.none(int(parts.max(initial=-1)) + 1)
+    chosen = skin = stays = kinds.skin
     if small and len(np.unique(parts[base.corner_vertex])) > 1:
         chosen = _rigid(base, parts, places)
         measured = skin_parts.measured(base, parts, places, len(chosen))
-        dressed = skin_parts.find_skin(base, measured, parts, chosen)
-        skin, known = dressed.skin, dressed.skin | dressed.shoes | dressed.capped
-        solid = dressed.shoes | solid_parts.find_solid(measured, chosen | known)
+        kinds = skin_parts.find_skin(base, measured, parts, chosen)
+        skin, known = kinds.skin, kinds.skin | kinds.shoes | kinds.capped
+        solid = kinds.shoes | solid_parts.find_solid(measured, chosen | known)
         chosen |= skin | solid
         stays = skin | (solid & ~solid_parts.lies_on_cloth(base, measured, parts, solid, chosen))
     painted = _painted(base, parts, chosen)
@@ -62,7 +62,7 @@ def without_rigid_parts(base: BaseMesh, weld: bool, small: bool = True) -> BaseM
     if not chosen.any():
         return base
     is_rigid = chosen[part_of_polygon]
-    caps = capped_parts.find_caps(base, parts, places, dressed.garments & ~chosen, dressed.limbs | dressed.capped)
+    caps = capped_parts.find_caps(base, parts, places, kinds.garments & ~chosen, kinds.limbs | kinds.capped)
     for doubled in base.own_origin().copies:  # the same of caps
         caps[np.isin(caps, caps[doubled.lies_on])] = 0
     if caps.any():  # parts of their own, which ride on the cloth

@@ -52,7 +52,8 @@ class RigidParts:
 
 @dataclass(frozen=True)
 class _Cap:
-    """A part that was cut from the cloth. Its edge goes with the cut, and what is inside of it as the edge does."""
+    """A part that shares its edge with the cloth, as one that was cut from it does. The edge goes with the cloth, and
+    what is inside of it as the edge does."""
 
     part: int
     rows: np.ndarray  # (k,) of its vertices in RigidParts

@@ -41,8 +41,8 @@ class Parts:
     openings: list[list[np.ndarray]]  # vertices of each open border that is no eyelet
 
 
-class Dressed(NamedTuple):
-    """What is what in a body and its clothes; none of it in a mesh without skin, or without a garment."""
+class Kinds(NamedTuple):
+    """Which parts of a figure with clothes are what; none is any of it in a mesh without skin, or without a garment."""
 
     skin: np.ndarray  # (parts,) bool
     limbs: np.ndarray  # (parts,) bool: of the skin, what has a body's shape
@@ -51,12 +51,12 @@ class Dressed(NamedTuple):
     capped: np.ndarray  # (parts,) bool: of these, those whose openings are closed
 
     @classmethod
-    def none(cls, parts: int) -> "Dressed":
-        """Of so many parts, of which none is any of it."""
+    def none(cls, parts: int) -> "Kinds":
+        """Of so many parts, where none is any of it."""
         return cls(*(np.zeros(parts, bool) for _ in cls._fields))
 
 
-def find_skin(base: BaseMesh, found: Parts, part: np.ndarray, small: np.ndarray) -> Dressed:
+def find_skin(base: BaseMesh, found: Parts, part: np.ndarray, small: np.ndarray) -> Kinds:
     """found: of measured(). part: (n,) of the vertices, as connected.py has them. small: (parts,) bool of those that
     are rigid because they are small. Cost: about 0.2 s for 50,000 vertices, less where none is skin."""
     whole = found.whole
@@ -66,7 +66,7 @@ def find_skin(base: BaseMesh, found: Parts, part: np.ndarray, small: np.ndarray)
     capped = counts & (openings < 2) & (found.diagonal >= CAPPED * whole)
     bodily = counts & (openings < 3) & (found.flat < FLAT) & (found.thick > THICK) & (found.diagonal >= HAND * whole)
     if counts.sum() < 2 or not (wide | capped).any() or not bodily.any():
-        return Dressed.none(len(small))
+        return Kinds.none(len(small))
     asked = bodily & ((openings > 0) | (found.diagonal >= WHOLE * whole))
     asked[np.argsort(np.where(asked, -found.area, 0.0), kind="stable")[MOST_PARTS:]] = False
     ends = [(number, sample_of(border, OF_BORDER)) for number in np.flatnonzero(asked).tolist()
@@ -75,9 +75,9 @@ def find_skin(base: BaseMesh, found: Parts, part: np.ndarray, small: np.ndarray)
     skin = _ends_under(base, found.openings, asked & ~capped, samples_of(part, counts), NEAR * whole)
     garment = (wide & ~skin) | capped
     if not garment.any() or not found.area[skin].sum() > LEAST_AREA * found.area.sum():
-        return Dressed.none(len(small))
+        return Kinds.none(len(small))
     limbs, skin = skin, skin | _lies_on_skin(base.positions, part, counts & ~skin & ~garment, skin, garment)
-    return Dressed(skin, limbs, bodily & (openings < 2) & ~skin & ~garment, garment, capped)
+    return Kinds(skin, limbs, bodily & (openings < 2) & ~skin & ~garment, garment, capped)
 
 
 def _ends_under(base: BaseMesh, openings: list[list[np.ndarray]], asked: np.ndarray, samples: dict[int, np.ndarray],

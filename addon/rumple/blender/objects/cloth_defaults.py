@@ -119,8 +119,12 @@ def follow_weights(obj: bpy.types.Object) -> np.ndarray | None:
     if fine is None:
         return None
     settings = properties.settings_of(obj, units.scene_of(obj))
-    weights = np.round(fine.suggested_follow(settings) * STEPS) / STEPS
-    return on_own_vertices(obj, weights).astype(np.float32)
+    return on_own_vertices(obj, in_steps(fine.suggested_follow(settings)))
+
+
+def in_steps(weights: np.ndarray) -> np.ndarray:
+    """float32: so that a vertex group holds few values, and is written in little time."""
+    return (np.round(weights * STEPS) / STEPS).astype(np.float32)
 
 
 def on_own_vertices(obj: bpy.types.Object, weights: np.ndarray) -> np.ndarray:

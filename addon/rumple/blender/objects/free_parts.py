@@ -19,7 +19,6 @@ from . import bodies, body_search, cloth_defaults, incoming_mesh, mesh_reader, p
 
 FARTHEST = 0.3  # metres, of a garment that an adult wears: what is farther does not tell
 UNDER = 0.5  # cosine between the inner side of the cloth and the way to the body, at least: it lies below, not beside
-STEPS = 20.0  # of the weights
 SAMPLES = 400  # vertices at most that tell whether to look at all of them
 
 
@@ -65,7 +64,7 @@ def paint(obj: bpy.types.Object, scene: bpy.types.Scene, trees: dict[bpy.types.O
     free = hangs_free.share_of_sheet(rest) if sheet else _free_of_bodies(obj, rest, scene, trees)
     if free is None or (free[_cloth_vertices(obj)] > 0.5).mean() < hangs_free.LEAST_FREE:
         return False
-    painted_maps.write(obj, painted, (np.round(free * STEPS) / STEPS).astype(np.float32), masked=False)
+    painted_maps.write(obj, painted, cloth_defaults.in_steps(free), masked=False)
     return True
 
 

@@ -21,7 +21,6 @@ from .. import compat
 from . import cloth_defaults, painted_maps, properties, rig_scale
 
 REACH = 0.02  # metres, of a garment that an adult wears: what covers a hem is no farther away
-STEPS = 20.0  # of the weights
 
 
 def paint(obj: bpy.types.Object, scene: bpy.types.Scene, trees: dict[bpy.types.Object, BVHTree], sheet: bool) -> None:
@@ -42,8 +41,8 @@ def paint(obj: bpy.types.Object, scene: bpy.types.Scene, trees: dict[bpy.types.O
     if not (follow[hidden] < tucked.HELD).any():
         return  # a waistband under a shirt
     weights = tucked.held(follow, base.positions, hidden, base.diagonal())[:base.own_origin().vertex_count]
-    weights = cloth_defaults.on_own_vertices(obj, np.round(weights * STEPS) / STEPS)
-    painted_maps.write(obj, painted, weights.astype(np.float32), masked=False)
+    weights = cloth_defaults.on_own_vertices(obj, cloth_defaults.in_steps(weights))
+    painted_maps.write(obj, painted, weights, masked=False)
 
 
 def _tucked(obj: bpy.types.Object, base: BaseMesh, trees: dict[bpy.types.Object, BVHTree],

@@ -25,7 +25,7 @@ from . import fabrics, thumbnails, wave_materials
 _NEXT = "Next: play it; fabric and folds are set in its panel, in the modifier tab"
 _OF_FINE_MESH = ("rest_shape", "source", "density", "level", "segments", "edge_length", "display_steps", "detail",
                  "most_vertices")
-Setting = tuple[bpy.types.PropertyGroup, str]
+_Setting = tuple[bpy.types.PropertyGroup, str]
 NOT_SHOWN = "The wrinkles do not show: switch the modifier on in the viewport first"
 
 
@@ -46,7 +46,7 @@ def _other_mesh(scene: bpy.types.Scene, name: str, obj: bpy.types.Object) -> bpy
     return found if found is not None and found != obj and bodies.can_be_body(found) else None
 
 
-def _set_properties(obj: bpy.types.Object) -> dict[Setting, Any]:
+def _set_properties(obj: bpy.types.Object) -> dict[_Setting, Any]:
     """Of the settings of its method, and of its limit on vertices, those that are set, with their values."""
     of_method = properties.group_of(obj)
     settings = [(of_method, name) for name in properties.fields_of(obj)] + [(obj.rumple, "most_vertices")]
@@ -167,7 +167,7 @@ class OBJECT_OT_rumple_add(bpy.types.Operator):
         """All settings, and what it is worn over. Returns what to say of them."""
         lengths = self._set_defaults(context, obj)
         with incoming_mesh.whole(body_search.candidates(obj, context.scene)):
-            worn_over = self._dress(obj, context.scene, lengths)
+            worn_over = self._set_cloth(obj, context.scene, lengths)
         self._adjust(context, obj)
         if cloth_defaults.is_cloth(obj) or worn_over.body is None or properties.group_of(obj).is_property_set(
                 "base_cloth"):
@@ -178,7 +178,7 @@ class OBJECT_OT_rumple_add(bpy.types.Operator):
         return [f"{obj.name}: it lies over {worn_over.body.name} but has fewer than two openings, as hats and gloves "
                 "have, so it is not made cloth: if it is, set Base Cloth to Hang"]
 
-    def _dress(self, obj: bpy.types.Object, scene: bpy.types.Scene, lengths: set[str]) -> body_search.WornOver:
+    def _set_cloth(self, obj: bpy.types.Object, scene: bpy.types.Scene, lengths: set[str]) -> body_search.WornOver:
         """Make cloth of what is cloth, and look for what it is worn over."""
         worn_over = body_search.find(obj, scene)
         is_sheet = cloth_defaults.is_sheet(obj, worn_over.body)
@@ -222,7 +222,7 @@ class OBJECT_OT_rumple_add(bpy.types.Operator):
         return modifier.output_object(nodes_mod) is not None
 
     def _make_without(self, context: bpy.types.Context, obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier,
-                      kept: dict[Setting, Any]) -> str:
+                      kept: dict[_Setting, Any]) -> str:
         """Once more, without settings of the fine mesh that were kept from a removal: without wrinkles there is no
         panel to change them. They are put back where it is refused all the same. kept: what was set before the click.
         Returns what _make() does."""
