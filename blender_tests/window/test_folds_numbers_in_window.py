@@ -125,6 +125,12 @@ class Formulas(WindowCase):
                 self.assertEqual(drawn, list(range(3, 3 + count)))
 
 
+class SheetObject(SimpleNamespace):
+    """What the drawing reads of an object of Blender's; like one, it can be a key."""
+
+    __hash__ = object.__hash__
+
+
 class Stage(WindowCase):
     """The sheet drawn into a buffer, seen from above."""
 
@@ -132,8 +138,8 @@ class Stage(WindowCase):
         """self.color (SIDE, SIDE, 4), the bottom row first, alpha 0 where nothing is; self.depth (SIDE, SIDE)."""
         drawing = preview_paths.Drawing(sheet.fine.model)
         mesh = SimpleNamespace(uv_layers=())
-        obj = SimpleNamespace(matrix_world=Matrix(), dimensions=(1.0, 1.0, 1.0), material_slots=(), data=mesh,
-                              rumple=SimpleNamespace(incoming=None))
+        obj = SheetObject(matrix_world=Matrix(), dimensions=(1.0, 1.0, 1.0), material_slots=(), data=mesh,
+                          rumple=SimpleNamespace(incoming=None))
         entry = SimpleNamespace(result=sheet.sketch, evaluator=sheet.fine,
                                 inputs=SimpleNamespace(settings=sheet.settings))
         self.assertTrue(drawing.update(obj, entry, None, np.zeros(len(sheet.base.triangle_corner), np.int32)))

@@ -148,7 +148,7 @@ void measure_surface(World& world, Bytes& bytes) {
     Written follow(surface.base ? size_t(surface.base->vertices) : 3, 1, bytes);
     follow.check(CALL(rumple_surface_suggest_follow, surface.handle, up, follow.pointer(), follow.count),
                  "follow");
-    find_outer_side(surface, int(up[0] * 1000.0f) % 16 == 0);
+    find_outer_side(surface, up[0] > 0.9f);
 }
 
 void move_parts(Bytes& bytes) {
