@@ -117,6 +117,26 @@ class ViewportMesh(unittest.TestCase):
             self.assertIsNone(modifier.viewport_output(modifier.find(obj)))
             self.assertEqual(len(sleeve.shown(obj)), runtimes.of(obj).evaluator.vertex_count)
 
+    def test_stored_frames_outlive_another_smoothing(self) -> None:
+        """The same folds are solved: of frames that were played nothing is solved again."""
+        shown = []
+        for first, second in ((0, 1), (1, 1), (1, 0), (0, 0)):
+            with self.subTest(first=first, second=second):
+                obj = scene(first, layers="CLOTH")
+                sleeve.play(1, 6)
+                with sleeve.context():
+                    obj.rumple.viewport_steps = second
+                sleeve.at(6)
+                scheduler.sync_all()
+                fine = runtimes.of(obj).evaluator
+                self.assertEqual([frame for frame, _ in fine.frame_cache.frames()], [1.0, 2.0, 3.0, 4.0, 5.0, 6.0])
+                with mock.patch.object(fine, "_solve_over", side_effect=AssertionError):
+                    sleeve.play(1, 6)
+                self.assertEqual(obj.rumple.message, "")
+                shown.append(sleeve.shown(obj))
+        np.testing.assert_array_equal(shown[0], shown[1])
+        np.testing.assert_array_equal(shown[2], shown[3])
+
     def test_it_inherits_what_the_mesh_of_renders_does(self) -> None:
         obj = scene()
         sleeve.at(3)

@@ -12,7 +12,7 @@ from unittest import mock
 
 import numpy as np
 from rumple.core.body import Body
-from rumple.core.checkpoint import CannotGoOn, Checkpoint
+from rumple.core.checkpoint import CannotGoOn, Checkpoint, carry_frames
 from rumple.core.engine import FrameResult, Wrinkles
 from rumple.core.settings import FieldSettings, MeshSettings, PathsSettings
 from rumple.core.surroundings import Field, Surroundings
@@ -107,6 +107,37 @@ class Checkpoints(unittest.TestCase):
                 jumped = played.build()
                 played.solve(jumped, KEPT)
                 self.assertFalse(np.array_equal(played.solve(jumped, KEPT + 1).positions, after[1]))
+
+    def test_stored_frames_go_on_in_what_shows_them_otherwise(self) -> None:
+        """As where the smoothing of viewports is changed: all is replayed, and what follows has the same bits."""
+        for kind in KINDS:
+            with self.subTest(kind):
+                played = Played(kind)
+                former, fine, through = played.build(), played.build(), played.build()
+                expected = [played.solve(through, frame).positions.copy() for frame in FRAMES]
+                for frame in range(1, KEPT + 1):
+                    played.solve(former, frame)
+                reports = [played.solve(former, frame).report for frame in range(1, KEPT + 1)]
+                stored = former.frame_cache.frames()
+                carry_frames(former, fine)
+                self.assertEqual((fine.frame_cache.frames(), former.frame_cache.frames()), (stored, []))
+                for frame, positions in zip(FRAMES, expected):
+                    found = played.solve(fine, frame)
+                    self.assertEqual(found.replayed, frame <= KEPT)
+                    np.testing.assert_array_equal(found.positions, positions)
+                    if frame <= KEPT:
+                        self.assertIs(found.report, reports[frame - 1])
+                self.assertTrue(all(final for _, final in fine.frame_cache.frames()))
+
+    def test_frames_that_went_on_are_forgotten_with_the_settings_they_were_solved_with(self) -> None:
+        played = Played("layers")
+        former, fine = played.build(), played.build()
+        for frame in range(1, KEPT + 1):
+            played.solve(former, frame)
+        fine.settings_are_keyed = False
+        carry_frames(former, fine)
+        self.assertFalse(played.solve(fine, 2, replace(played.settings, bending=0.3)).replayed)
+        self.assertEqual([frame for frame, _ in fine.frame_cache.frames()], [2.0])
 
     def test_other_settings_behind_it_are_those_of_playback(self) -> None:
         """Settings that are animated: what is held under the former ones is let go of, as in playback."""

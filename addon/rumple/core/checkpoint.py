@@ -85,6 +85,18 @@ def _bytes(data: bytes) -> np.ndarray:
     return np.frombuffer(data, np.uint8)
 
 
+def carry_frames(former: Wrinkles, to: Wrinkles) -> None:
+    """Go on with the stored frames of wrinkles that are solved to the same bits, and shown otherwise."""
+    def restored(cached: CachedFrame) -> CachedFrame:
+        state = _state_of(to, _state_arrays(cached.state))
+        return CachedFrame.of(state, cached.input_digest, cached.settings_digest, cached.final, cached.report,
+                              cached.chain)
+
+    to.frame_cache.limit_bytes = former.frame_cache.limit_bytes
+    to.frame_cache.take(former.frame_cache, restored)
+    to.follow_inputs_of(former)
+
+
 # ---------------------------------------------------------------- states
 def _named(prefix: str, arrays: Arrays) -> Arrays:
     """As arrays. NumPy 1 takes a whole number for one of 32 bits on Windows: the file is to be the same everywhere."""

@@ -264,7 +264,8 @@ class Wrinkles(SystemSteps):
     def _take_painted(self, paint: dict[str, np.ndarray]) -> bool:
         """Whether it is another paint than before."""
         digest = digest_of_paint(paint)
-        if self._paint is not None and digest == self.paint_digest:
+        repainted = digest != self.paint_digest
+        if self._paint is not None and not repainted:
             return False
         solved = {name: values if name in TABLES else self._where_solved(self.base.points(values))
                   for name, values in paint.items()}
@@ -272,7 +273,7 @@ class Wrinkles(SystemSteps):
         self._by_hand = ByHand.taken(paint, self.base, self.HEIGHT_PAINT, solved, self._where_solved)
         self._paint = self._take_paint(solved)
         self.paint_digest = digest
-        return True
+        return repainted
 
     def _forget_changed(self, timeline: tuple[int, float], frame: float, settings_digest: bytes,
                         repainted: bool) -> None:
@@ -286,6 +287,10 @@ class Wrinkles(SystemSteps):
             self.frame_cache.clear()
             self._last_settings.clear()
         self._last_settings[timeline] = settings_digest, frame
+
+    def follow_inputs_of(self, former: "Wrinkles") -> None:
+        """What changes from now on is what differs from those inputs."""
+        self.paint_digest, self._last_settings = former.paint_digest, dict(former._last_settings)
 
     # --- seeing ahead
     def analyze_clip(self, clip: dict[float, np.ndarray], settings: Any, *, frame_rate: float = 24.0) -> None:

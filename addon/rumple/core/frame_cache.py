@@ -213,6 +213,16 @@ class FrameCache:
         self._bytes = self._picture_bytes = 0
         self._refused.clear()
 
+    def take(self, former: "FrameCache", restored: Callable[[CachedFrame], CachedFrame]) -> None:
+        """The solved frames of another one, which has none afterwards. restored: such a frame, for who has this one."""
+        for timeline, entries in former._timelines.items():
+            self.follow(timeline)
+            for frame, cached in sorted(entries.items()):
+                if not cached.waits:
+                    self.put(frame, restored(cached))
+        self._refused |= former._refused
+        former.clear()
+
     @property
     def bytes(self) -> int:
         """Memory that the stored states take."""

@@ -16,6 +16,7 @@ import bpy
 from ...core.kept_frames import KeptFrames
 from .. import scheduler
 from ..objects import clip_place, messages, modifier, runtimes
+from ..objects.evaluator import solved_alike
 from ..objects.runtimes import Runtime
 
 SUFFIX = ".frames"
@@ -43,7 +44,7 @@ def follow(obj: bpy.types.Object, runtime: Runtime) -> None:
     if folder is None:
         evaluator.frame_cache.on_disk = None
         return
-    kept, identity = evaluator.frame_cache.on_disk, repr(runtime.shape)
+    kept, identity = evaluator.frame_cache.on_disk, repr(solved_alike(runtime.shape))
     if not isinstance(kept, KeptFrames) or (kept.folder, kept.about) != (folder, identity):
         kept = evaluator.frame_cache.on_disk = KeptFrames(evaluator, folder, identity, 0)
     kept.limit_bytes = obj.rumple.disk_limit << 20

@@ -11,6 +11,7 @@ import bpy
 import numpy as np
 
 from ...core import engine
+from ...core.checkpoint import carry_frames
 from ...core.settings import FieldSettings, MeshSettings
 from .. import compat, scheduler
 from . import incoming_mesh, mesh_reader, messages, modifier, properties, rig_scale, subdivision_behind, units
@@ -87,7 +88,10 @@ def ensure(obj: bpy.types.Object, runtime: Runtime, meanwhile: Callable[[], obje
             fine = begun.result()
         else:
             fine = _built(obj, now, wanted, meanwhile)
-        runtime.evaluator = _checked(obj, fine)
+        fine = _checked(obj, fine)
+        if runtime.evaluator is not None and solved_alike(runtime.shape) == solved_alike(wanted):
+            carry_frames(runtime.evaluator, fine)
+        runtime.evaluator = fine
     except Exception as error:  # whatever it is: every update would try it again
         runtime.refused = _refusable(obj, wanted)
         messages.set_build_error(runtime, messages.of_error(obj, error))
@@ -169,6 +173,11 @@ def cancel(obj: bpy.types.Object, runtime: Runtime) -> str:
 
 def _wanted(obj: bpy.types.Object, now: Sources) -> tuple[str, int, int]:
     return now.shape, obj.rumple.most_vertices, obj.rumple.viewport_steps
+
+
+def solved_alike(shape: tuple[str, int, int] | None) -> tuple[str, int] | None:
+    """What of a shape decides how frames are solved: the rest, what viewports show of them."""
+    return None if shape is None else shape[:2]
 
 
 def _refusable(obj: bpy.types.Object, wanted: tuple[str, int, int]) -> tuple[str, int, int, int]:
