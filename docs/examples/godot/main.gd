@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-# Plays what `scripts/rumple vat --image exr` or the button "Export for Engines" has written, copied to res://garment.
+# Plays what `scripts/rumple vat --image exr` or the button "Export Vertex Animation" has written, copied to res://garment.
 #   godot3 --path . --picture=FILE.png [--frame=N]   writes one picture and ends
 #   ... --normals [--x=X --y=Y]   colours are normals, seen from above X, Y: what the test measures
 extends Spatial

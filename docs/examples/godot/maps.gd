@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-# Plays Wrinkle Maps: what "Export for an Engine" has written with maps and Influences by Frame, and the rigged mesh
+# Plays Wrinkle Maps: what "Export Wrinkle Maps" has written with maps and Influences by Frame, and the rigged mesh
 # as .glb, copied to res://face.
 #   godot3 --path . maps.tscn --picture=FILE.png [--frame=N]   writes one picture and ends
 #   ... --normals [--x=X --y=Y]   colours are normals, seen from the front of X, Y: what the test measures

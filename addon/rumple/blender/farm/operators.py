@@ -70,7 +70,7 @@ class OBJECT_OT_rumple_vat(_OfClip, bpy.types.Operator):
     """Write the baked clip as vertex animation textures (OpenVAT) into the folder "publish" beside the file"""
 
     bl_idname = "object.rumple_vat"
-    bl_label = "Export for Engines"
+    bl_label = "Export Vertex Animation"
 
     image: bpy.props.EnumProperty(name="Image", default="png", items=(
         ("png", "PNG", "16 bits; the report says the largest error"),

@@ -170,7 +170,7 @@ class RUMPLE_OT_maps_export(maps_operators.OnPose, bpy.types.Operator):
     """Write the reference poses as JSON for a game engine, with the maps and, if wanted, influences by frame"""
 
     bl_idname = "rumple.maps_export"
-    bl_label = "Export for an Engine"
+    bl_label = "Export Wrinkle Maps"
     bl_options = {"REGISTER"}
 
     filepath: bpy.props.StringProperty(subtype="FILE_PATH")
