@@ -17,6 +17,7 @@ import numpy as np
 from .paint_maps import smoothstep
 from .transforms import length, principal_axes
 from .triangles import cross, unit
+from .vertices import nearest_of
 
 GUIDES = "guides"  # the paint
 ALONG = "along"  # the paint that directions become: (n, 3) of the base's vertices, of length 0..1, either sign
@@ -161,7 +162,7 @@ class _AtRest:
 
     def _on_surface(self, line: np.ndarray, near: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """The points of a line on the surface, the normals there, and the vertices beside them."""
-        closest = near[_nearest(line, self._rest[near])]
+        closest = nearest_of(line, self._rest, near)[0]
         normal = self._normals[closest]
         return line + normal * ((self._rest[closest] - line) * normal).sum(axis=1)[:, None], normal, closest
 
@@ -172,7 +173,7 @@ class _AtRest:
         points, side = self._rest[near], np.diff(foot, axis=0)
         lengths = np.maximum(np.linalg.norm(side, axis=1), 1e-12)
         best, segment, share = np.full(len(near), np.inf), np.zeros(len(near), np.int64), np.zeros(len(near))
-        closest = _nearest(points, foot)  # steps are short: one of the two beside that point
+        closest = nearest_of(points, foot, np.arange(len(foot)))[0]  # steps are short: one of the two beside that point
         for number in (np.maximum(closest - 1, 0), np.minimum(closest, len(side) - 1)):
             from_begin = points - foot[number]
             at = np.clip(_dot(from_begin, side[number]) / lengths[number] ** 2, 0.0, 1.0)
@@ -278,16 +279,6 @@ def _normals(positions: np.ndarray, corner: np.ndarray, at: np.ndarray, places: 
     turned = cross(after - here, before - here)
     sums = [np.bincount(at, turned[:, k], places) for k in range(3)]
     return unit(np.stack(sums, axis=1).astype(positions.dtype))
-
-
-def _nearest(points: np.ndarray, others: np.ndarray) -> np.ndarray:
-    """(points,) which of the others is nearest to each."""
-    rows = max(1_000_000 // len(others), 1)  # at a time
-    nearest = []
-    for begin in range(0, len(points), rows):
-        x, y, z = (points[begin:begin + rows, k, None] - others[:, k] for k in range(3))
-        nearest.append((x * x + y * y + z * z).argmin(axis=1))
-    return np.concatenate(nearest)
 
 
 def _dot(one: np.ndarray, other: np.ndarray) -> np.ndarray:
