@@ -10,8 +10,8 @@ import numpy as np
 
 from .base_mesh import BaseMesh
 from .connected import lowest_connected
-from .triangles import PAIRS_AT_ONCE, area_vectors, vertex_normals
-from .vertices import lengths, nearest_of, sample_of
+from .triangles import area_vectors, vertex_normals
+from .vertices import PAIRS_AT_ONCE, lengths, nearest_of, pair_keys, sample_of
 
 INSIDE = 0.5  # winding number
 MOSTLY = 0.5  # of the vertices of a border: where it ends
@@ -158,10 +158,10 @@ class _Body:
 def _panels(base: BaseMesh, place: np.ndarray, normals: np.ndarray) -> np.ndarray:
     """(p,) for each polygon the lowest number of those that it is joined with over sides that are no crease. normals:
     (p, 3) of any length."""
-    ends = np.sort(place[base.sides()].astype(np.int64), axis=1)
+    key = pair_keys(place[base.sides()], len(place))
     of = np.repeat(np.arange(len(normals)), np.diff(base.polygon_start))
-    order = np.lexsort((ends[:, 1], ends[:, 0]))
-    same = np.flatnonzero((ends[order[1:]] == ends[order[:-1]]).all(axis=1))
+    order = np.argsort(key, kind="stable")
+    same = np.flatnonzero(key[order[1:]] == key[order[:-1]])
     first, other = of[order[same]], of[order[same + 1]]
     size = lengths(normals)
     smooth = (normals[first] * normals[other]).sum(axis=1) > CREASE * size[first] * size[other]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from .base_mesh import BaseMesh
+from .vertices import pair_keys
 
 
 def spokes(base: BaseMesh) -> tuple[np.ndarray, np.ndarray]:
@@ -43,8 +44,7 @@ def parts(base: BaseMesh, place: np.ndarray) -> np.ndarray:
 def border_sides(base: BaseMesh, place: np.ndarray) -> np.ndarray:
     """(k, 2) int32: the vertices of the sides that one polygon has. place: as places() has them."""
     sides = base.sides()
-    ends = np.sort(place[sides].astype(np.int64), axis=1)
-    _, first, uses = np.unique(ends[:, 0] * len(place) + ends[:, 1], return_index=True, return_counts=True)
+    _, first, uses = np.unique(pair_keys(place[sides], len(place)), return_index=True, return_counts=True)
     return sides[first[uses == 1]]
 
 

@@ -7,6 +7,8 @@ from typing import Any
 
 import numpy as np
 
+from .vertices import pair_keys
+
 # What was healed: the kind of its elements, and what to say of one, {1}, and of {1} of them, the first of which is {2}.
 # {0}: the object.
 TURNED, CUT, DOUBLED, REPEATED = "turned", "cut", "doubled", "repeated"
@@ -72,17 +74,11 @@ def creases_of(edge: np.ndarray, sharpness: np.ndarray, origin: Origin,
                sides: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Creases of the mesh as the artist has it, (k, 2) vertices and (k,), -> of the healed one. sides: (c, 2) int32,
     the vertices of the healed polygons' sides."""
-    keys, wanted = _side_keys(edge, origin.vertex_count), _side_keys(origin.vertex[sides], origin.vertex_count)
+    keys, wanted = (pair_keys(pairs, origin.vertex_count) for pairs in (edge, origin.vertex[sides]))
     order = np.argsort(keys, kind="stable")
     place = order[np.minimum(np.searchsorted(keys, wanted, sorter=order), len(order) - 1)] if len(order) else wanted
     found = np.flatnonzero(keys[place] == wanted) if len(order) else np.empty(0, np.int64)
     return np.ascontiguousarray(sides[found], np.int32), np.ascontiguousarray(sharpness[place[found]], np.float32)
-
-
-def _side_keys(sides: np.ndarray, vertex_count: int) -> np.ndarray:
-    """One number for every unordered pair of vertices."""
-    ordered = np.sort(sides.astype(np.int64), axis=1)
-    return ordered[:, 0] * vertex_count + ordered[:, 1]
 
 
 def _copies(healed: Any, polygon_start: np.ndarray, corner_vertex: np.ndarray) -> list[Copies]:

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-PAIRS_AT_ONCE = 200_000  # of points and triangles, or vertices, that are held in memory
+from .vertices import pair_keys
 
 
 def cross(one: np.ndarray, two: np.ndarray) -> np.ndarray:
@@ -37,10 +37,8 @@ def vertex_normals(positions: np.ndarray, triangles: np.ndarray) -> np.ndarray:
 
 def at_border(triangles: np.ndarray) -> np.ndarray:
     """(t,) bool of (t, 3) vertices: whether a corner of the triangle is on an edge that one triangle alone has."""
-    wide = triangles.astype(np.int64)
-    sides = np.sort(np.concatenate([wide[:, (k, (k + 1) % 3)] for k in range(3)]), axis=1)
-    count = int(wide.max(initial=0)) + 1
-    edges, uses = np.unique(sides[:, 0] * count + sides[:, 1], return_counts=True)
+    sides, count = np.concatenate([triangles[:, (k, (k + 1) % 3)] for k in range(3)]), int(triangles.max(initial=0)) + 1
+    edges, uses = np.unique(pair_keys(sides, count), return_counts=True)
     border = np.zeros(count, bool)
     border[edges[uses == 1] // count] = border[edges[uses == 1] % count] = True
     return border[triangles].any(axis=1)

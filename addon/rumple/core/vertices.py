@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from .triangles import PAIRS_AT_ONCE
-
+PAIRS_AT_ONCE = 200_000  # of points and triangles, or vertices, that are held in memory
 MOST = 2000  # vertices of a part that stand for it
 
 
@@ -29,6 +28,13 @@ def nearest_of(points: np.ndarray, positions: np.ndarray, others: np.ndarray) ->
         rows.append(squared.argmin(1))
         distances.append(np.sqrt(squared.min(1)))
     return others[np.concatenate(rows)], np.concatenate(distances)
+
+
+def pair_keys(pairs: np.ndarray, count: int) -> np.ndarray:
+    """(k,) int64: one number for each unordered pair, (k, 2), of `count` vertices, edges above all; they rise with the
+    lower vertex, then with the higher one."""
+    ordered = np.sort(pairs.astype(np.int64), axis=1)
+    return ordered[:, 0] * count + ordered[:, 1]
 
 
 def samples_of(part: np.ndarray, chosen: np.ndarray) -> dict[int, np.ndarray]:

@@ -17,6 +17,7 @@ import numpy as np
 from ...core.frame_result import Attribute, FrameResult
 from ...core.shown_mesh import ShownMesh
 from ...core.triangles import on_shown
+from ...core.vertices import pair_keys
 from .. import compat
 from ..nodes import wrinkle_tree
 from . import incoming_mesh, mesh_reader
@@ -188,17 +189,11 @@ def _carry_faces(mesh: bpy.types.Mesh, inherited: bpy.types.Mesh, fine: ShownMes
         mesh.polygons.foreach_set(prop, np.ascontiguousarray(values[parents]))
 
 
-def _edge_keys(pairs: np.ndarray, vertex_count: int) -> np.ndarray:
-    """One number for every unordered pair of vertices."""
-    ordered = np.sort(pairs.astype(np.int64), axis=1)
-    return ordered[:, 0] * vertex_count + ordered[:, 1]
-
-
 def _find_edges(mesh: bpy.types.Mesh, pairs: np.ndarray) -> np.ndarray:
     """Index of the edge between each pair of vertices; every pair is an edge of the mesh."""
-    keys = _edge_keys(compat.edge_vertices(mesh), len(mesh.vertices))
+    keys = pair_keys(compat.edge_vertices(mesh), len(mesh.vertices))
     order = np.argsort(keys)
-    place = np.searchsorted(keys, _edge_keys(pairs, len(mesh.vertices)), sorter=order)
+    place = np.searchsorted(keys, pair_keys(pairs, len(mesh.vertices)), sorter=order)
     return order[place]
 
 
