@@ -11,7 +11,7 @@ import numpy as np
 from .base_mesh import BaseMesh
 from .connected import lowest_connected
 from .triangles import area_vectors, vertex_normals
-from .vertices import PAIRS_AT_ONCE, lengths, nearest_of, pair_keys, sample_of
+from .vertices import PAIRS_AT_ONCE, diagonals, lengths, nearest_of, pair_keys, sample_of
 
 INSIDE = 0.5  # winding number
 MOSTLY = 0.5  # of the vertices of a border: where it ends
@@ -76,10 +76,7 @@ def _sizes(base: BaseMesh, panel: np.ndarray, count: int) -> np.ndarray:
     """(count,) the diagonals of panels. panel: (p,) of the polygons, -1 for none."""
     of_corner = np.repeat(panel, np.diff(base.polygon_start))
     points, of = base.positions[base.corner_vertex[of_corner >= 0]], of_corner[of_corner >= 0]
-    low, high = np.full((count, 3), np.inf), np.full((count, 3), -np.inf)
-    np.minimum.at(low, of, points)
-    np.maximum.at(high, of, points)
-    return lengths(high - low)
+    return diagonals(points, of, count)
 
 
 def _numbered(base: BaseMesh, place: np.ndarray, chosen: np.ndarray) -> np.ndarray:

@@ -11,9 +11,9 @@ from ..native import kernels
 from . import capped_parts, skin_parts, solid_parts
 from .base_mesh import BaseMesh
 from .body import OwnSkin
-from .connected import border_sides
 from .connected import parts as connected_parts
 from .healing import CUT
+from .measured_parts import MeasuredParts, measured
 from .rigid_parts import RigidParts
 from .vertices import places as places_of
 from .wording import UserError
@@ -47,13 +47,13 @@ def without_rigid_parts(base: BaseMesh, weld: bool, small: bool = True) -> BaseM
     kinds = skin_parts.Kinds.none(int(parts.max(initial=-1)) + 1)
     chosen = skin = stays = kinds.skin
     if small and len(np.unique(parts[base.corner_vertex])) > 1:
-        chosen = _rigid(base, parts, places)
-        measured = skin_parts.measured(base, parts, places, len(chosen))
-        kinds = skin_parts.find_skin(base, measured, parts, chosen)
+        found = measured(base, parts, places)
+        chosen = _small(found)
+        kinds = skin_parts.find_skin(base, found, parts, chosen)
         skin, known = kinds.skin, kinds.skin | kinds.shoes | kinds.capped
-        solid = kinds.shoes | solid_parts.find_solid(measured, chosen | known)
+        solid = kinds.shoes | solid_parts.find_solid(found, chosen | known)
         chosen |= skin | solid
-        stays = skin | (solid & ~solid_parts.lies_on_cloth(base, measured, parts, solid, chosen))
+        stays = skin | (solid & ~solid_parts.lies_on_cloth(base, found, parts, solid, chosen))
     painted = _painted(base, parts, chosen)
     chosen, skin, stays = chosen | painted, skin & ~painted, stays & ~painted
     part_of_polygon = parts[base.corner_vertex[base.polygon_start[:-1]]]
@@ -83,20 +83,11 @@ def _cut_apart(base: BaseMesh, places: np.ndarray) -> np.ndarray:
     return np.unique(apart, return_inverse=True)[1].ravel()
 
 
-def _rigid(base: BaseMesh, parts: np.ndarray, places: np.ndarray) -> np.ndarray:
-    """(parts,) bool: the small ones, by what the constants at the top say."""
-    count = int(parts.max(initial=-1)) + 1
-    low, high = np.full((count, 3), np.inf), np.full((count, 3), -np.inf)
-    np.minimum.at(low, parts, base.positions)
-    np.maximum.at(high, parts, base.positions)
-    diagonal = np.linalg.norm(high - low, axis=1)
-    corners = base.positions[base.triangles].astype(np.float64)
-    areas = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
-    area = np.bincount(parts[base.triangles[:, 0]], areas, count)
-    size = diagonal.max(initial=0.0)
-    limit = np.where(_closed(base, parts, count, places), SMALL_AND_CLOSED, SMALL) * size
-    chosen = (diagonal <= limit) & (area > 0.0)
-    return chosen if area[chosen].sum() <= MOST_AREA * area.sum() else np.zeros(count, bool)
+def _small(found: MeasuredParts) -> np.ndarray:
+    """(parts,) bool: by what the constants at the top say."""
+    limit = np.where(found.closed, SMALL_AND_CLOSED, SMALL) * found.diagonal.max(initial=0.0)
+    chosen = (found.diagonal <= limit) & (found.area > 0.0)
+    return chosen if found.area[chosen].sum() <= MOST_AREA * found.area.sum() else np.zeros(len(chosen), bool)
 
 
 def _painted(base: BaseMesh, parts: np.ndarray, chosen: np.ndarray) -> np.ndarray:
@@ -108,13 +99,6 @@ def _painted(base: BaseMesh, parts: np.ndarray, chosen: np.ndarray) -> np.ndarra
     painted = has_faces.copy()
     painted[parts[~base.points(base.painted_rigid)]] = False
     return painted if (has_faces & ~chosen & ~painted).any() else np.zeros(len(chosen), bool)
-
-
-def _closed(base: BaseMesh, parts: np.ndarray, count: int, places: np.ndarray) -> np.ndarray:
-    """(parts,) bool: it has no border."""
-    closed = np.ones(count, bool)
-    closed[parts[border_sides(base, places)[:, 0]]] = False
-    return closed
 
 
 def _taken(base: BaseMesh, parts: np.ndarray, skin: np.ndarray, stays: np.ndarray, is_rigid: np.ndarray,

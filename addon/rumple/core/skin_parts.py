@@ -5,20 +5,18 @@ imports bpy.
 """
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 
 from .base_mesh import BaseMesh
 from .capped_parts import ends_in
-from .connected import borders
-from .triangles import area_vectors, vertex_normals
-from .vertices import MOST, lengths, nearest_of, sample_of, samples_of
+from .measured_parts import NEAR, MeasuredParts
+from .triangles import vertex_normals
+from .vertices import MOST, nearest_of, sample_of, samples_of
 
-OPENING = 1.0 / 110.0  # radius over the diagonal of the mesh: smaller borders are of eyes, mouths and eyelets
-GARMENT, HAND = 0.15, 0.08  # of that diagonal: no garment is smaller, and no skin but what is on skin
-NEAR, UNDER = 0.05, 0.5  # of that diagonal; of a border: it ends under other parts that are so near
+GARMENT, HAND = 0.15, 0.08  # of the diagonal of the mesh: no garment is smaller, and no skin but what is on skin
+UNDER = 0.5  # of a border: it ends under other parts that are near
 FLAT = 0.3  # of its area: as much of a sheet looks one way, 0.4 and more; of a head 0.23, of an arm 0.05
 THICK = 0.015  # volume over area^1.5: a body has 0.03, an arm 0.06, a jacket with an inside 0.008
 LEAST_AREA = 0.03  # of the mesh: with less skin it is a garment with a hat or a shoe
@@ -27,18 +25,6 @@ OF_PARTS, LEAST_OF_PART, MOST_OF_PART = 20_000, 4, 64  # vertices of all parts t
 MOST_PARTS = 64  # the largest that are asked whether they are skin
 WHOLE = 0.75  # of that diagonal: what has no opening is no smaller, or it is a bag
 CAPPED, ENDS_IN_IT = 0.3, 2  # of that diagonal, and borders of others that end in it: a garment with caps
-
-
-@dataclass
-class Parts:
-    """Of every connected part; object units at rest."""
-
-    whole: float  # diagonal of all faces
-    diagonal: np.ndarray  # (parts,)
-    area: np.ndarray  # (parts,)
-    flat: np.ndarray  # (parts,) 0 to 1: length of the sum of its faces' areas, as vectors, over its area
-    thick: np.ndarray  # (parts,) volume over area^1.5, its last opening closed
-    openings: list[list[np.ndarray]]  # vertices of each open border that is no eyelet
 
 
 class Kinds(NamedTuple):
@@ -56,7 +42,7 @@ class Kinds(NamedTuple):
         return cls(*(np.zeros(parts, bool) for _ in cls._fields))
 
 
-def find_skin(base: BaseMesh, found: Parts, part: np.ndarray, small: np.ndarray) -> Kinds:
+def find_skin(base: BaseMesh, found: MeasuredParts, part: np.ndarray, small: np.ndarray) -> Kinds:
     """found: of measured(). part: (n,) of the vertices, as connected.py has them. small: (parts,) bool of those that
     are rigid because they are small. Cost: about 0.2 s for 50,000 vertices, less where none is skin."""
     whole = found.whole
@@ -118,27 +104,3 @@ def _lies_on_skin(positions: np.ndarray, part: np.ndarray, asked: np.ndarray, sk
         skin_away, garment_away = (np.bincount(part[every], each, len(asked)) for each in away)
         nearer = skin_away < garment_away
     return nearer
-
-
-def measured(base: BaseMesh, part: np.ndarray, place: np.ndarray, count: int) -> Parts:
-    """Of a mesh with faces. part, place: (n,) of the vertices, as connected.py has them. Cost: about 0.1 s for 50,000
-    vertices."""
-    whole = float(lengths(np.ptp(base.positions[base.corner_vertex], axis=0)[None])[0])
-    low, high = np.full((count, 3), np.inf), np.full((count, 3), -np.inf)
-    np.minimum.at(low, part, base.positions)
-    np.maximum.at(high, part, base.positions)
-    half = area_vectors(base.positions, base.triangles)
-    of = part[base.triangles[:, 0]]
-    area = np.bincount(of, lengths(half), count)
-    openings: list[list[np.ndarray]] = [[] for _ in range(count)]
-    middle = np.zeros((count, 3))
-    for border in borders(base, place):
-        points = base.positions[border].astype(np.float64)
-        centre = points.mean(0)
-        if lengths(points - centre).mean() >= OPENING * whole:
-            openings[part[border[0]]].append(border)
-            middle[part[border[0]]] = centre
-    volume = np.bincount(of, ((base.positions[base.triangles[:, 0]] - middle[of]) * half).sum(1) / 3.0, count)
-    some = np.maximum(area, 1e-30)
-    one_way = np.stack([np.bincount(of, half[:, k], count) for k in range(3)], axis=1)
-    return Parts(whole, lengths(high - low), area, lengths(one_way) / some, np.abs(volume) / some ** 1.5, openings)

@@ -7,7 +7,7 @@ from __future__ import annotations
 import numpy as np
 
 from .base_mesh import BaseMesh
-from .skin_parts import NEAR, Parts
+from .measured_parts import NEAR, MeasuredParts
 from .vertices import nearest_of, sample_of, samples_of
 
 SOLID = 0.04  # least volume over area^1.5: a cube has 0.068, a flat pouch 0.043, a body 0.03, a padded jacket 0.008
@@ -17,7 +17,7 @@ LYING = 0.4  # of the vertices of what lies on cloth: they are near to it
 SAMPLES, OF_CLOTH = 64, 4000  # vertices at most of each part, and of all cloth, that are looked at
 
 
-def find_solid(found: Parts, others: np.ndarray) -> np.ndarray:
+def find_solid(found: MeasuredParts, others: np.ndarray) -> np.ndarray:
     """(parts,) bool: closed parts, and those with one opening, that hold much for their surface. others: (parts,) bool
     of those that are something else already."""
     openings = np.array([len(borders) for borders in found.openings])
@@ -26,7 +26,8 @@ def find_solid(found: Parts, others: np.ndarray) -> np.ndarray:
     return solid if found.area[solid].sum() <= MOST_AREA * found.area.sum() else np.zeros(len(others), bool)
 
 
-def lies_on_cloth(base: BaseMesh, found: Parts, part: np.ndarray, solid: np.ndarray, rigid: np.ndarray) -> np.ndarray:
+def lies_on_cloth(base: BaseMesh, found: MeasuredParts, part: np.ndarray, solid: np.ndarray,
+                  rigid: np.ndarray) -> np.ndarray:
     """(parts,) bool: the solid ones that many of their vertices lie on cloth with, as a pouch does, and no helmet.
     part: (n,) of the vertices. rigid: (parts,) bool of all that is no cloth."""
     lying = np.zeros(len(solid), bool)

@@ -37,6 +37,15 @@ def pair_keys(pairs: np.ndarray, count: int) -> np.ndarray:
     return ordered[:, 0] * count + ordered[:, 1]
 
 
+def diagonals(points: np.ndarray, part: np.ndarray, count: int) -> np.ndarray:
+    """(count,) float64: of the boxes around `count` parts of points (n, 3). part: (n,) numbers. Of a part without a
+    point: infinite."""
+    low, high = np.full((count, 3), np.inf), np.full((count, 3), -np.inf)
+    np.minimum.at(low, part, points)
+    np.maximum.at(high, part, points)
+    return lengths(high - low)
+
+
 def samples_of(part: np.ndarray, chosen: np.ndarray) -> dict[int, np.ndarray]:
     """Vertices of each of the chosen parts, by its number."""
     order = np.flatnonzero(chosen[part])
