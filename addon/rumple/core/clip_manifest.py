@@ -13,6 +13,8 @@ from typing import Any
 
 import numpy as np
 
+from .vertices import sample_of
+
 FORMAT = 4  # in the file of the clip, with checksums. 3 was in a file beside the clip, without them
 FORMAT_OF_SEAMS = 5  # it has seams: an older Rumple would play it from its first frame, and find other bits
 POSE_POINTS = 16  # coarse points kept for each sample, to notice that the animation changed
@@ -84,8 +86,7 @@ class Manifest:
 
 def pose_points(positions: np.ndarray) -> np.ndarray:
     """A few points spread over the mesh, flat."""
-    which = np.linspace(0, len(positions) - 1, min(POSE_POINTS, len(positions))).astype(np.int64)
-    return positions[which].ravel()
+    return sample_of(positions, POSE_POINTS).ravel()
 
 
 def stored_pose(positions: np.ndarray) -> list[float]:

@@ -12,7 +12,7 @@ from ..native import kernels
 from .body import OwnSkin
 from .frame_result import Attribute, FrameResult
 from .triangles import columnwise, corner_weights, frames_of, rowwise
-from .vertices import nearest_of, places
+from .vertices import nearest_of, places, sample_of
 
 FAR = 0.02  # of the diagonal of the cloth: what is so far from the cloth is not fixed to it
 FEWEST_ANCHORS, MOST_ANCHORS = 8, 64
@@ -137,8 +137,7 @@ class AttachedParts:
 
 def _around(seam: np.ndarray, cloth: np.ndarray) -> np.ndarray:
     """The rows of the cloth that a part is fixed to which was cut from it, as a cap is: all along the cut."""
-    some = seam[np.linspace(0, len(seam) - 1, min(len(seam), MOST_ANCHORS)).astype(int)]
-    return np.unique(nearest_of(some, cloth, np.arange(len(cloth)))[0])
+    return np.unique(nearest_of(sample_of(seam, MOST_ANCHORS), cloth, np.arange(len(cloth)))[0])
 
 
 def _shares(points: np.ndarray, anchors: np.ndarray) -> np.ndarray:

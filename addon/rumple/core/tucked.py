@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from .paint_maps import smoothstep
 from .vertices import nearest_of, sample_of
 
 FADE = 0.07  # of the garment's diagonal: over this distance the hold fades out, as that of a cuff (native/.../pins.cpp)
@@ -22,5 +23,4 @@ def held(follow: np.ndarray, positions: np.ndarray, tucked: np.ndarray, diagonal
     share = np.zeros(len(positions))
     share[near] = 1.0 - nearest_of(positions[near], positions, sample_of(tucked, MOST))[1] / max(fade, 1e-30)
     share[tucked] = 1.0
-    share = np.clip(share, 0.0, 1.0)
-    return np.maximum(follow, share * share * (3.0 - 2.0 * share)).astype(np.float32)
+    return np.maximum(follow, smoothstep(share)).astype(np.float32)

@@ -55,8 +55,10 @@ def samples_of(part: np.ndarray, chosen: np.ndarray) -> dict[int, np.ndarray]:
 
 
 def sample_of(vertices: np.ndarray, most: int) -> np.ndarray:
+    """At most so many of the rows, evenly spread from the first to the last."""
     return vertices[np.linspace(0, len(vertices) - 1, min(most, len(vertices))).astype(int)]
 
 
 def lengths(vectors: np.ndarray) -> np.ndarray:
+    """(...) float64 of (..., 3)."""
     return np.sqrt((vectors.astype(np.float64) ** 2).sum(-1))

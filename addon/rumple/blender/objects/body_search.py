@@ -13,6 +13,7 @@ from mathutils.bvhtree import BVHTree
 from ...core import outer_side, transforms
 from ...core.body import facing_outwards
 from ...core.healing import TURNED
+from ...core.vertices import sample_of
 from . import bodies, incoming_mesh, mesh_reader, modifier
 
 SAMPLES = 500  # vertices at most that are asked what lies under them
@@ -115,7 +116,7 @@ def _cloth(obj: bpy.types.Object) -> _Cloth:
     rest, vertices = _rest(obj), incoming_mesh.of(obj).vertices
     finite = np.flatnonzero(np.isfinite(rest).all(axis=1))
     outer = np.intersect1d(finite, triangles_of(obj))
-    chosen = outer[np.linspace(0, len(outer) - 1, min(SAMPLES, len(outer))).astype(int)].tolist()
+    chosen = sample_of(outer, SAMPLES).tolist()
     turn = obj.matrix_world.to_3x3().inverted_safe().transposed() * side_of(obj)
     reach = NEAR * Vector(np.ptp(rest[finite], axis=0)).length if chosen else 0.0
     return _Cloth([Vector(rest[i]) for i in chosen], [turn @ vertices[i].normal for i in chosen], reach)
