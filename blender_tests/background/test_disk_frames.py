@@ -2,8 +2,10 @@
 """Stored frames that are kept on disk: a file that is opened again jumps to the frames it had."""
 from __future__ import annotations
 
+import math
 import os
 import tempfile
+import time
 import unittest
 from pathlib import Path
 from unittest import mock
@@ -53,6 +55,25 @@ class Kept(unittest.TestCase):
 
     def files(self) -> list[Path]:
         return sorted(Path(self.path).parent.glob("rumple/*.frames/*.frame"))
+
+    def test_the_time_for_writing_is_that_of_all_objects_together(self) -> None:
+        """A file of ten garments took ten times as long to save."""
+        given: list[float] = []
+
+        class Slow:
+            note = ""
+
+            def write(self, seconds: float) -> bool:
+                given.append(seconds)
+                time.sleep(0.02)
+                return len(given) == 1
+
+        with mock.patch.object(disk_frames, "_all", lambda: iter([Slow(), Slow(), Slow()])):
+            self.assertTrue(disk_frames._write(0.03))
+            self.assertLess(given[1], 0.011)
+            self.assertEqual(given[2], 0.0)
+            self.assertFalse(disk_frames._write(math.inf))
+        self.assertEqual(given[3:], [math.inf] * 3)
 
     def test_a_jump_in_the_opened_file_shows_what_was_played(self) -> None:
         for method in ("MESH", "FIELD", "PATHS"):

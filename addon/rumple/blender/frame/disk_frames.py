@@ -65,10 +65,10 @@ def _all() -> Iterator[KeptFrames]:
 
 # ---------------------------------------------------------------- writing
 def _write(seconds: float) -> bool:
-    """True where more are left."""
-    more = False
+    """For about so long, and at least a frame of each object. True where more are left."""
+    ends, more = time.monotonic() + seconds, False
     for kept in _all():
-        more = kept.write(seconds) or more
+        more = kept.write(max(ends - time.monotonic(), 0.0)) or more
         if kept.note and kept.note not in _told:
             _told.add(kept.note)
             print(f"Rumple: {kept.note}")
