@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from ..native import kernels
-from .base_mesh import BaseMesh
+from .base_mesh import MOST_LEVEL, BaseMesh
 from .body import Body
 from .cloth import bend_radius, size_factor
 from .cloth_settings import ClothSettings, direction_of, nearest_up
@@ -30,7 +30,6 @@ from .settings import MeshSettings
 from .shown_mesh import ViewportMesh
 from .wording import UserError, user_error
 
-MOST_LEVEL = 5
 MOST_STEPS = 2  # unsolved subdivisions
 MOST_PLAYABLE = 60_000  # solved vertices that still play live on a few cores
 EDGES_PER_WAVELENGTH = 5.0  # measured on garments with bend stiffness of 0.7 and more

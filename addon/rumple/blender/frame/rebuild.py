@@ -191,8 +191,8 @@ def _tidy_removed(wrinkled: set[str]) -> None:
 def drop_orphan_outputs() -> None:
     """Output and cache objects without an object. Asked of the user map: 5.2's count keeps applied modifiers."""
     hidden = (modifier.output_object, modifier.viewport_output, modifier.cache_object)
-    output_obj = {of(nodes_mod) for _, nodes_mod in modifier.wrinkled_objects() for of in hidden}
-    candidates = {o for o in bpy.data.objects if output_mesh.KEY in o} - output_obj
+    in_use = {of(nodes_mod) for _, nodes_mod in modifier.wrinkled_objects() for of in hidden}
+    candidates = {o for o in bpy.data.objects if output_mesh.KEY in o} - in_use
     if not candidates:
         return  # the user map looks at the whole file
     for candidate, users in bpy.data.user_map(subset=candidates).items():
