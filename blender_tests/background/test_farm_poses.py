@@ -2,8 +2,10 @@
 """Training sets: the same bits from the same seed, in any order and after any end; poses within the joints' limits."""
 from __future__ import annotations
 
+import errno
 import json
 import math
+import tempfile
 import unittest
 from pathlib import Path
 from unittest import mock
@@ -12,7 +14,8 @@ from typing import Any
 import bpy
 import numpy as np
 from rumple.blender.farm import bake, commands, poses, source
-from rumple.core import pose_set
+from rumple.core import clip_folder, pose_set
+from rumple.core.clip_manifest import ClipFault
 from support import farm_case, farm_scene
 
 NAME = farm_scene.FREE
@@ -34,6 +37,18 @@ class Drawn(unittest.TestCase):
     def test_a_wider_range_keeps_its_middle_and_ends_at_half_a_turn(self) -> None:
         np.testing.assert_allclose(pose_set.widened(0.0, 1.0, 2.0), (-0.5, 1.5))
         np.testing.assert_allclose(pose_set.widened(-1.0, 2.0, 100.0), (0.5 - math.pi, 0.5 + math.pi))
+
+
+class Begun(unittest.TestCase):
+
+    def test_a_manifest_that_cannot_be_put_in_place_leaves_no_other_file(self) -> None:
+        place = tempfile.TemporaryDirectory()
+        self.addCleanup(place.cleanup)
+        wanted = pose_set.PoseSet("Coat", "", "", 0, 1, "clip", [1, 1], 3, 3, 1.0)
+        refused = mock.patch.object(clip_folder, "put", side_effect=OSError(errno.ENOSPC, ""))
+        with refused, mock.patch.object(pose_set, "write_arrays"), self.assertRaises(ClipFault):
+            pose_set.begin(Path(place.name), wanted, {}, resume=False)
+        self.assertEqual(list(Path(place.name).iterdir()), [])
 
 
 class SetCase(farm_case.Case):

@@ -15,13 +15,8 @@ from . import clip_folder
 
 def write_note(folder: Path, saved: bytes, counts_as: bytes) -> None:
     """saved, counts_as: digests of the bytes of two files. Raises OSError."""
-    place = _note(folder, saved)
-    new = clip_folder.temporary(place)
-    try:
-        new.write_text(counts_as.hex())
-        clip_folder.put(new, place)
-    finally:
-        clip_folder.discard(new)
+    with clip_folder.written(_note(folder, saved)) as note:
+        note.write_text(counts_as.hex())
 
 
 def counts_as(folders: Iterable[Path], content: bytes) -> bytes:

@@ -102,6 +102,18 @@ def put(new: Path, place: Path) -> None:
 
 
 @contextmanager
+def written(place: Path) -> Iterator[Path]:
+    """A file to be written, which is put at a place by one rename behind the block, and removed where something was
+    raised. Raises OSError."""
+    new = temporary(place)
+    try:
+        yield new
+        put(new, place)
+    finally:
+        discard(new)
+
+
+@contextmanager
 def aside(place: Path) -> Iterator[None]:
     """What stands at a place is out of the way meanwhile. Then it is removed, or is there again where something was
     raised."""

@@ -116,9 +116,8 @@ def begin(folder: Path, wanted: PoseSet, mesh: dict[str, np.ndarray], resume: bo
         clip_folder.make(folder, wanted.bytes * missing // max(wanted.blocks, 1))
         if found is None:
             write_arrays(folder / "mesh.npz", mesh)
-            temporary = clip_folder.temporary(path)
-            temporary.write_text(text, "utf-8")
-            clip_folder.put(temporary, path)
+            with clip_folder.written(path) as manifest:
+                manifest.write_text(text, "utf-8")
     except (OSError, UnicodeDecodeError) as error:
         raise ClipFault(clip_folder.in_words(error, folder)) from error
 
@@ -135,17 +134,13 @@ def _first_difference(found: str, wanted: str) -> str:
 
 def write_arrays(path: Path, arrays: dict[str, np.ndarray]) -> None:
     """By one rename. The same arrays have the same bytes. Raises ClipFault."""
-    temporary = clip_folder.temporary(path)
     try:
-        with open(temporary, "wb") as file:
+        with clip_folder.written(path) as new, open(new, "wb") as file:
             np.savez(file, **arrays)
             file.flush()
             os.fsync(file.fileno())
-        clip_folder.put(temporary, path)
     except OSError as error:
         raise ClipFault(clip_folder.in_words(error, path.parent)) from error
-    finally:
-        clip_folder.discard(temporary)
 
 
 def read_block(folder: Path, wanted: PoseSet, block: int) -> dict[str, np.ndarray] | None:
