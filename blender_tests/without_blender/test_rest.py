@@ -301,6 +301,13 @@ class SeeingAhead(OnATube):
             self.assertTrue(any(not np.array_equal(self.state_arrays(fine, a)["labels"], self.state_arrays(
                 fine, b)["labels"]) for a, b in zip(live, expected)))
 
+    def test_the_same_pose_at_another_time_is_another_one_to_look_ahead_to(self) -> None:
+        for system, settings in self.each():
+            fine = system.build(self.base, settings)
+            replayed = [fine.solve_frame(1.0, self.clip[1], settings, {}, start=1, frame_rate=30.0,
+                                         following=(frame, self.clip[2])).replayed for frame in (2.0, 2.0, 4.0)]
+            self.assertEqual(replayed, [False, True, False])
+
     def test_a_rest_shape_that_stays_sees_nothing(self) -> None:
         for system, settings in SYSTEMS[:2]:
             still = replace(settings, rest_shape="REST_POSE")

@@ -55,4 +55,5 @@ class FrameInput:
         """What tells it from another. swings: cloth meets the surroundings."""
         return digest_of(settings_digest, self.animated, self.world_from_object, self.labels, self.next_positions,
                          *(self.body.arrays() if self.body else ()),
-                         *([self.surroundings.array()] if swings else ()))
+                         *([self.surroundings.array()] if swings else ()),
+                         None if self.next_positions is None else np.array(self.next_seconds))
