@@ -330,6 +330,19 @@ class KeysAndBones(unittest.TestCase):
         self.pose(-0.01, 1.0)
         np.testing.assert_allclose(face.mask(self.obj, "Open"), 0.5 * face.weights(self.obj, "jaw"), atol=ROUNDING)
 
+    def test_bones_that_came_after_a_pose_of_keys_are_at_rest_in_it(self) -> None:
+        armature, self.settings.root = self.obj.modifiers["Armature"], ""
+        armature.object = None
+        self.pose(0.0, 1.0)
+        keyed_face.add_pose("Brow")
+        armature.object = self.rig
+        self.settings.bones.add().name = "jaw"
+        changes.rig_changed(self.obj)
+        self.pose(0.0, 1.0)
+        self.assertEqual(self.settings.message, "")
+        self.assertIn("pose Brow was stored without jaw", face.notes(self.obj))
+        np.testing.assert_allclose(face.mask(self.obj, "Brow"), keyed_face.weights("brow.L"), atol=ROUNDING)
+
     def test_without_its_armature_the_keys_go_on(self) -> None:
         self.pose(-0.02, 1.0)
         keyed_face.add_pose("Shout")

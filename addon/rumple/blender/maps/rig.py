@@ -127,13 +127,12 @@ class _Pose:
         self.matrices = matrices
 
     def relative(self, obj: bpy.types.Object, root: str, names: list[str], otherwise: np.ndarray | None) -> np.ndarray:
-        """(b, 6) in root space; bones that this pose lacks as in `otherwise`."""
-        places = [self.index.get(name, -1) for name in names]
+        """(b, 6) in root space; bones that this pose lacks as in `otherwise`. A pose of shape keys lacks all."""
+        known = [place for place, name in enumerate(names) if name in self.index]
         matrix = self.matrices[root] if root else np.eye(4, dtype=np.float32)
-        found = poses.bones_in_root_space(obj.name, matrix, self.points[places])
-        missing = np.array(places) < 0
-        if missing.any():
-            found[missing] = otherwise[missing]
+        here = self.points[[self.index[names[place]] for place in known]]
+        found = np.zeros((len(names), 6), np.float32) if otherwise is None else otherwise.copy()
+        found[known] = poses.bones_in_root_space(obj.name, matrix, here)
         return found
 
     def carry(self, affine: np.ndarray, scale: float) -> None:
