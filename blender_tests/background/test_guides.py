@@ -201,6 +201,14 @@ class Guides(unittest.TestCase):
         for point in curve.data.splines[0].bezier_points:
             self.assertLess(abs(np.hypot(point.co.y, point.co.z) - sleeve.RADIUS), 0.005)
 
+    def test_without_a_rest_shape_none_is_made_and_it_is_said(self) -> None:
+        obj = folded()
+        obj.rumple.mesh.rest_shape = "FRAME"
+        with self.assertRaises(RuntimeError) as caught:  # how bpy.ops hands on a refusal
+            bpy.ops.object.rumple_guide_add()
+        self.assertIn("no rest shape is captured yet", str(caught.exception))
+        self.assertNotIn("Traceback", str(caught.exception))
+
     def test_they_come_back_with_the_file(self) -> None:
         obj = folded()
         guided(obj)

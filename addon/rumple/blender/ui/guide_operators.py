@@ -7,6 +7,7 @@ import numpy as np
 from mathutils import Vector
 from mathutils.bvhtree import BVHTree
 
+from ...core.engine import UserError
 from ..objects import guide_curves, incoming_mesh, mesh_reader, properties, rig_scale, units
 from ..translation import said
 from ..ui_base import OnWrinkled
@@ -23,7 +24,11 @@ class OBJECT_OT_rumple_guide_add(OnWrinkled, bpy.types.Operator):
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         garment = context.object
-        curves = [obj for obj in context.selected_objects if obj.type == "CURVE"] or [_new_curve(context, garment)]
+        try:
+            curves = [obj for obj in context.selected_objects if obj.type == "CURVE"] or [_new_curve(context, garment)]
+        except UserError as error:
+            self.report({"ERROR"}, said(str(error)))
+            return {"CANCELLED"}
         metres = units.scene_of(garment).unit_settings.scale_length
         for curve in curves:
             if curve.parent != garment:
@@ -40,7 +45,7 @@ class OBJECT_OT_rumple_guide_add(OnWrinkled, bpy.types.Operator):
 
 
 def _new_curve(context: bpy.types.Context, garment: bpy.types.Object) -> bpy.types.Object:
-    """On the garment at rest, a child of it."""
+    """On the garment at rest, a child of it. Raises UserError where there is no such shape."""
     settings = properties.settings_of(garment, context.scene)
     rest = mesh_reader.rest_positions(garment, settings.rest_shape, garment.rumple.rest_key).astype(np.float64)
     faces = [polygon.vertices[:] for polygon in incoming_mesh.of(garment).polygons]
