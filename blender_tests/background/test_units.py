@@ -10,7 +10,7 @@ import numpy as np
 from mathutils import Matrix
 from rumple.blender import compat, scheduler
 from rumple.blender.nodes import wrinkle_tree
-from rumple.blender.objects import bodies, incoming_mesh, mesh_reader, rig_scale, runtimes, units
+from rumple.blender.objects import bodies, incoming_mesh, mesh_reader, rig_scale, runtimes, stack_notes, units
 from support import cloth_scenes, sleeve
 
 
@@ -65,6 +65,69 @@ class Scale(unittest.TestCase):
         evaluator = runtimes.of(self.obj).evaluator
         sleeve.play()
         self.assertIs(runtimes.of(self.obj).evaluator, evaluator)
+
+
+class ByAxes(unittest.TestCase):
+    """It counted as strain, in silence: a sleeve that only turned was pressed together by a third."""
+
+    def setUp(self) -> None:
+        self.obj, self.rig = sleeve.scene(), bpy.data.objects["Arm"]
+        self.above = bpy.data.objects.new("Above", None)
+        bpy.context.scene.collection.objects.link(self.above)
+
+    def said(self) -> list[str]:
+        return [note for note in stack_notes.of(self.obj) if "differs by axes" in note]
+
+    def stretch(self) -> float:
+        """Of the forearm, which only turns."""
+        sleeve.at(sleeve.LAST)
+        scheduler.sync_all()
+        sleeve.at(sleeve.LAST)
+        return float(sleeve.attribute(self.obj, "rumple_stretch_min")[9 * sleeve.AROUND:11 * sleeve.AROUND].mean())
+
+    def apply(self, obj: bpy.types.Object) -> None:
+        sleeve.make_active(obj)
+        bpy.ops.object.transform_apply(location=False, rotation=False, scale=True)
+
+    def test_what_is_to_be_applied_is_named(self) -> None:
+        self.obj.parent = self.above
+        self.assertEqual(self.said(), [])
+        for uneven in (self.obj, self.above):
+            uneven.scale = (1.0, 2.0, 1.0)
+            self.assertEqual(self.said(), [
+                f'Sleeve: the scale of "{uneven.name}" differs by axes, so folds come where cloth only turns: apply it '
+                "(Object > Apply > Scale)"])
+            self.assertLess(self.stretch(), 0.7)
+            for one in (uneven, self.obj):  # of what hangs from an empty Blender makes it that one's own
+                self.apply(one)
+            self.assertEqual(self.said(), [])
+            self.assertGreater(self.stretch(), 0.95)
+
+    def test_where_its_armature_is_scaled_alike_it_is_not_strained(self) -> None:
+        self.rig.scale = (1.0, 2.0, 1.0)
+        self.obj.parent = self.rig
+        self.assertGreater(self.stretch(), 0.95)
+        self.assertEqual(self.said(), [])
+        self.obj.scale = (1.0, 0.5, 1.0)
+        self.assertEqual(self.said(), [])  # it is shown as it counts
+        self.obj.scale = (1.0, 1.0, 0.5)
+        self.assertIn('the scale of "Sleeve"', self.said()[0])
+
+    def test_what_cancels_is_none(self) -> None:
+        self.obj.scale = (2.0, -2.0, 2.03)
+        self.assertEqual(self.said(), [])
+        self.above.scale = (1.0, 1.0, 3.0)
+        self.obj.parent = self.above
+        self.assertIn('the scale of "Above"', self.said()[0])
+        self.obj.matrix_parent_inverse = Matrix.Diagonal((1.0, 1.0, 1.0 / 3.0, 1.0))
+        self.assertEqual(self.said(), [])
+
+    def test_one_that_begins_even_is_squash_and_stretch(self) -> None:
+        for frame, size in ((1, 1.0), (sleeve.LAST, 2.0)):
+            self.obj.scale.z = size
+            self.obj.keyframe_insert("scale", frame=frame)
+        sleeve.at(sleeve.LAST)
+        self.assertEqual(self.said(), [])
 
 
 class ScaledByABone(unittest.TestCase):

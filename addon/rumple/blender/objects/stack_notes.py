@@ -19,7 +19,7 @@ def of(obj: bpy.types.Object) -> list[str]:
         return []
     if modifier.is_baked(nodes_mod):
         return point_caches.notes(obj)
-    return (_order(obj, nodes_mod) + _particles(obj, nodes_mod) + _armatures(obj)
+    return (_order(obj, nodes_mod) + _particles(obj, nodes_mod) + _armatures(obj) + _scale(obj)
             + _other_points_in_renders(obj, nodes_mod)
             + subdivision_behind.notes(obj, runtimes.of(obj).evaluator) + skipped_frames(obj)
             + point_caches.notes(obj))
@@ -73,6 +73,15 @@ def _armatures(obj: bpy.types.Object) -> list[str]:
             notes.append(f"{obj.name}: the modifier \"{m.name}\" moves no vertex: no vertex group has the name of one "
                          "of its bones. Parent the mesh to the armature with automatic weights, or paint weights")
     return notes
+
+
+def _scale(obj: bpy.types.Object) -> list[str]:
+    """Lengths are compared in the object's own space: where that is not the one that it is bent in, but for its size,
+    what only turns changes its lengths there."""
+    uneven = units.unevenly_scaled(obj, units.scene_of(obj))
+    return [] if uneven is None else [
+        f"{obj.name}: the scale of \"{uneven.name}\" differs by axes, so folds come where cloth only turns: apply it "
+        "(Object > Apply > Scale)"]
 
 
 def _order(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier) -> list[str]:

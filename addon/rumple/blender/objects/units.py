@@ -11,6 +11,7 @@ from mathutils import Matrix, Vector
 from .. import compat
 
 SCALES = [(name, axis) for name in ("scale", "delta_scale") for axis in range(3)]
+EVEN = 1.02  # times as long along one axis as along another: less is hardly seen
 
 
 def scene_of(obj: bpy.types.Object) -> bpy.types.Scene:
@@ -38,21 +39,47 @@ def frame_rate(scene: bpy.types.Scene) -> float:
 
 def metres_per_unit(obj: bpy.types.Object, scene: bpy.types.Scene) -> float:
     """Mean absolute scale of an object times the scene's unit scale. A keyed scale counts as it is in the clip's first
-    frame, whichever is shown.
-
-    From the parents' own transforms, not from matrix_world: that one is not there yet after loading a file.
-    """
-    first = first_frame(obj, scene)
-    matrix, parent = _basis_at(obj, first), obj.parent
-    inverse = obj.matrix_parent_inverse
-    while parent is not None:
-        matrix = _basis_at(parent, first) @ inverse @ matrix
-        inverse, parent = parent.matrix_parent_inverse, parent.parent
-    scale = matrix.to_scale()
-    mean = sum(abs(s) for s in scale) / 3.0
+    frame, whichever is shown."""
+    mean = sum(abs(s) for s in _matrix_at(obj, first_frame(obj, scene)).to_scale()) / 3.0
     if any(_scale_curves(one) for one in _with_parents(obj)):
         mean = float(f"{mean:.5g}")  # a part of what is shown is rounded otherwise in each frame
     return mean * scene.unit_settings.scale_length
+
+
+def unevenly_scaled(obj: bpy.types.Object, scene: bpy.types.Scene) -> bpy.types.Object | None:
+    """Whose scale makes lengths along the axes of an object differ in the clip's first frame: the farthest of its
+    parents whose own scale does, or itself. None where they are alike, or differ as much for its armature."""
+    first, rig = first_frame(obj, scene), obj.find_armature()
+    matrix = _matrix_at(obj, first)
+    bent = matrix if rig is None else _matrix_at(rig, first).inverted_safe() @ matrix
+    if not (_is_uneven(matrix) and _is_uneven(bent)):
+        return None
+    in_common = set() if rig is None else set(_with_parents(rig))
+    uneven = [one for one in _with_parents(obj) if one not in in_common and _differ(_own_scale(one, first))]
+    return uneven[-1] if uneven else obj
+
+
+def _is_uneven(matrix: Matrix) -> bool:
+    lengths = np.linalg.svd(np.array(matrix.to_3x3()), compute_uv=False)
+    return bool(lengths[0] > EVEN * lengths[2])
+
+
+def _differ(scale: list[float]) -> bool:
+    sizes = [abs(size) for size in scale]
+    return max(sizes) > EVEN * min(sizes)
+
+
+def _matrix_at(obj: bpy.types.Object, frame: int) -> Matrix:
+    """Where it stands in the world, with the scales that are keyed for a frame.
+
+    From the parents' own transforms, not from matrix_world: that one is not there yet after loading a file.
+    """
+    matrix, parent = _basis_at(obj, frame), obj.parent
+    inverse = obj.matrix_parent_inverse
+    while parent is not None:
+        matrix = _basis_at(parent, frame) @ inverse @ matrix
+        inverse, parent = parent.matrix_parent_inverse, parent.parent
+    return matrix
 
 
 def most_metres_per_unit(obj: bpy.types.Object, scene: bpy.types.Scene) -> float:
@@ -92,11 +119,15 @@ def _scale_curves(obj: bpy.types.Object) -> list[bpy.types.FCurve]:
 
 def _basis_at(obj: bpy.types.Object, frame: int) -> Matrix:
     """Its own transform, with the scale that is keyed for a frame."""
-    curves = _scale_curves(obj)
-    if not curves:
+    if not _scale_curves(obj):
         return obj.matrix_basis.copy()
-    scale = {name: list(getattr(obj, name)) for name in ("scale", "delta_scale")}
-    for curve in curves:
-        scale[curve.data_path][curve.array_index] = curve.evaluate(frame)
     place, turn, _ = obj.matrix_basis.decompose()
-    return Matrix.LocRotScale(place, turn, Vector([own * more for own, more in zip(*scale.values())]))
+    return Matrix.LocRotScale(place, turn, Vector(_own_scale(obj, frame)))
+
+
+def _own_scale(obj: bpy.types.Object, frame: int) -> list[float]:
+    """Of its axes, as it is keyed for a frame."""
+    scale = {name: list(getattr(obj, name)) for name in ("scale", "delta_scale")}
+    for curve in _scale_curves(obj):
+        scale[curve.data_path][curve.array_index] = curve.evaluate(frame)
+    return [own * more for own, more in zip(*scale.values())]
