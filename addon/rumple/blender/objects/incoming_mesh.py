@@ -59,14 +59,14 @@ def update(obj: bpy.types.Object) -> None:
 
 @contextmanager
 def whole(objects: Iterable[bpy.types.Object]) -> Iterator[None]:
-    """While it lasts, of() has both halves of a body that was modelled as one half, with a Mirror modifier. Structural
-    work. Cost: some evaluations of each of those."""
+    """While it lasts, of() has both halves of a body that was modelled as one half, with a Mirror modifier, wherever it
+    stands. Structural work. Cost: some evaluations of each of those."""
     made = []
     try:
         for obj in objects:
             if obj.type == "MESH" and obj.rumple.incoming is None and obj not in _mirrored and any(
-                    m.type == "MIRROR" and m.show_viewport for m in modifier.in_front(obj)):
-                _mirrored[obj] = _evaluated_at_rest(obj)
+                    m.type == "MIRROR" and m.show_viewport for m in obj.modifiers):
+                _mirrored[obj] = _evaluated_at_rest(obj, mirrored=True)
                 made.append(obj)
         yield
     finally:
@@ -127,10 +127,10 @@ def _content(mesh: bpy.types.Mesh) -> str:
 
 
 # ---------------------------------------------------------------- at rest
-def _evaluated_at_rest(obj: bpy.types.Object) -> bpy.types.Mesh:
+def _evaluated_at_rest(obj: bpy.types.Object, mirrored: bool = False) -> bpy.types.Mesh:
     """What the modifiers in front make of the rest shape, without those that deform. A new mesh. A node group may do
-    either: where the faces are the same without it, it deforms."""
-    with _bare_copy(obj) as bare:
+    either: where the faces are the same without it, it deforms. mirrored: a Mirror behind counts as well."""
+    with _bare_copy(obj, mirrored) as bare:
         mesh = _evaluated(bare)
         for nodes_mod in [m for m in bare.modifiers if m.type == "NODES"]:
             nodes_mod.show_viewport = False
@@ -151,12 +151,13 @@ def _evaluated(bare: bpy.types.Object) -> bpy.types.Mesh:
 
 
 @contextmanager
-def _bare_copy(obj: bpy.types.Object) -> Iterator[bpy.types.Object]:
-    """The object with the modifiers in front that do not deform, at the shape key that is its rest shape."""
+def _bare_copy(obj: bpy.types.Object, mirrored: bool) -> Iterator[bpy.types.Object]:
+    """The object with the modifiers in front that do not deform, at the shape key that is its rest shape. mirrored: and
+    with every Mirror."""
     with scheduler.suspended():
         bare = obj.copy()
         try:
-            for m in modifier.deforming_and_behind(bare):
+            for m in [m for m in modifier.deforming_and_behind(bare) if not (mirrored and m.type == "MIRROR")]:
                 bare.modifiers.remove(m)
             bare.animation_data_clear()
             bare.hide_viewport = False  # else it is not evaluated

@@ -77,7 +77,7 @@ def in_front(obj: bpy.types.Object) -> list[bpy.types.Modifier]:
     """The modifiers in front of the wrinkles, or of where they would stand."""
     ours = next((index for index, m in enumerate(obj.modifiers)
                  if wrinkle_tree.is_ours(getattr(m, "node_group", None))), None)
-    return list(obj.modifiers)[:place_behind_deforming(obj) if ours is None else ours]
+    return list(obj.modifiers)[:_place(obj) if ours is None else ours]
 
 
 def topology_changer_before(obj: bpy.types.Object) -> bpy.types.Modifier | None:
@@ -126,6 +126,13 @@ def place_behind_deforming(obj: bpy.types.Object) -> int:
     return place
 
 
+def _place(obj: bpy.types.Object) -> int:
+    """Index at which wrinkles are added: behind a Mirror too. What was modelled as half is worn whole, also where an
+    armature as parent poses it before all modifiers."""
+    mirrors = [index for index, m in enumerate(obj.modifiers) if m.type == "MIRROR" and changes_topology(m)]
+    return max(place_behind_deforming(obj), mirrors[-1] + 1 if mirrors else 0)
+
+
 def _only_finishes(modifier: bpy.types.Modifier) -> bool:
     """Not where it is bound to the points that it gets now."""
     return modifier.type in FINISHING and getattr(modifier, "rest_source", "") != "BIND"
@@ -133,7 +140,7 @@ def _only_finishes(modifier: bpy.types.Modifier) -> bool:
 
 def add(obj: bpy.types.Object, method: str) -> bpy.types.NodesModifier:
     """Put the modifier behind the last deforming one. It has no output object yet and shows the coarse mesh."""
-    place = place_behind_deforming(obj)
+    place = _place(obj)
     modifier = obj.modifiers.new(SYSTEMS[method].label, "NODES")
     modifier.node_group = wrinkle_tree.ensure(method)
     modifier.show_in_editmode = False  # as Cloth: the folds of a pose would hide the vertices of the mesh at rest
