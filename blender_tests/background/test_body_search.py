@@ -2,6 +2,8 @@
 """The first click finds what a garment is worn over."""
 from __future__ import annotations
 
+import contextlib
+import io
 import tempfile
 import unittest
 from pathlib import Path
@@ -128,6 +130,39 @@ class FirstClick(unittest.TestCase):
             body.rumple.mesh.property_unset(name)
         bpy.ops.object.rumple_add(method="MESH")
         self.assertEqual((body.rumple.mesh.base_cloth, body.rumple.body), ("OFF", None))
+
+    def trimming(self, name: str, first: float, last: float) -> bpy.types.Object:
+        """Over the sleeve, from a share of its length to another."""
+        over = sleeve.under(self.obj, name, 1.08)
+        along = Matrix.Translation((first * sleeve.LENGTH, 0, 0)) @ Matrix.Scale(last - first, 4, (1, 0, 0))
+        over.data.transform(along)
+        bpy.context.view_layer.update()
+        return over
+
+    def test_a_belt_or_a_badge_makes_no_body_of_a_skirt(self) -> None:
+        """Without a body in the scene, what a small garment lay over wholly was one, and was not made cloth."""
+        belt = self.trimming("Belt", 0.1, 0.16)
+        badge = self.trimming("Badge", 0.5, 0.7)
+        work = bmesh.new()
+        work.from_mesh(badge.data)
+        bmesh.ops.delete(work, geom=[v for v in work.verts if v.co.y < 0.8 * sleeve.RADIUS], context="VERTS")
+        work.to_mesh(badge.data)
+        work.free()
+        for over in (belt, badge):
+            cloth, tree = body_search._cloth(over), body_search.tree_of(self.obj)
+            self.assertGreater(body_search._share_over(cloth, tree), 0.9)
+        self.assertEqual(self.found(), "")
+        self.assertEqual(self.obj.rumple.mesh.base_cloth, "HANG")
+
+    def test_what_is_taken_for_a_body_by_its_clothes_is_told_so(self) -> None:
+        """Nothing was said of a skirt with a wide sash."""
+        self.trimming("Sash", 0.1, 0.3)
+        said = io.StringIO()
+        with contextlib.redirect_stdout(said):
+            self.assertEqual(self.found(), "")
+        self.assertEqual(self.obj.rumple.mesh.base_cloth, "OFF")
+        self.assertIn("Sleeve: Sash lies over it, so it is taken for a body and is not made cloth: if it is a garment, "
+                      "set Base Cloth to Hang", said.getvalue())
 
     def test_a_body_of_which_little_is_left(self) -> None:
         """Jeans of MakeHuman had a body under a seventh of their vertices, and found none."""

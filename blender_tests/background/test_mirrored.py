@@ -119,7 +119,6 @@ class Bodies(unittest.TestCase):
             self.assertEqual(len(incoming_mesh.of(self.body).vertices), sleeve.AROUND * sleeve.ALONG)
 
     def test_a_cape_over_the_half_that_a_mirror_makes(self) -> None:
-        """It found no body, and stayed as it was animated."""
         halve(self.body, 1)
         self.cut(self.obj, 1, least=0.2 * sleeve.RADIUS)
         turned = Matrix.Rotation(np.pi / 2.0, 4, "Y")  # x points down

@@ -13,7 +13,8 @@ from mathutils.bvhtree import BVHTree
 from ...core import outer_side, transforms
 from ...core.body import facing_outwards
 from ...core.healing import TURNED
-from ...core.vertices import sample_of
+from ...core.triangles import area_vectors
+from ...core.vertices import lengths, sample_of
 from . import bodies, incoming_mesh, mesh_reader, modifier
 
 SAMPLES = 500  # vertices at most that are asked what lies under them
@@ -23,6 +24,7 @@ LEAST_BODY = 0.05  # of the vertices that must have the body under them: mostly 
 LEAST_OVERLAP = 0.02  # of the vertices that lie over another garment: the hem of a shirt over trousers
 MORE_OVER = 2.0  # times as much of a garment lies over another one as the other way round
 WITHIN = 0.05  # of the diagonal: how far clothes reach beyond a body
+LEAST_CLOTHED = 0.1  # of the area of a body: what clothes on it have, and a belt, a badge or a pocket on a skirt not
 WORN_SHARE = 0.5  # from this share on a candidate is itself worn over another one: clothes, not a body
 
 
@@ -41,8 +43,13 @@ class WornOver:
 
     body: bpy.types.Object | None
     garments: list[bpy.types.Object]  # other clothes that it covers a part of
-    is_body: bool  # clothes that are no larger lie over it, and it is not worn over anything that is no smaller
+    clothes: list[bpy.types.Object]  # of a body: what lies over it, is no larger, and more than a trimming
     trees: dict[bpy.types.Object, BVHTree]  # of tree_of(), of what was looked at
+
+    @property
+    def is_body(self) -> bool:
+        """Whether clothes lie over it, and it is not worn over anything that is no smaller."""
+        return bool(self.clothes)
 
     def trees_over(self) -> dict[bpy.types.Object, BVHTree]:
         """Of what may lie over it."""
@@ -63,23 +70,25 @@ def find(obj: bpy.types.Object, scene: bpy.types.Scene) -> WornOver:
     Cost: a tree of each candidate, about 2 ms per 1000 polygons.
     """
     if not armatures(obj) or not is_finite(obj):
-        return WornOver(None, [], False, {})
+        return WornOver(None, [], [], {})
     trees = {other: tree_of(other) for other in candidates(obj, scene)
              if len(other.data.polygons) and is_finite(other)}
     cloth = functools.cache(_cloth)
     shares = {other: _share_over(cloth(obj), tree) for other, tree in trees.items()}
     # How much of another one lies over it.
     back = functools.cache(lambda other: _share_over(cloth(other), tree_of(obj, near=cloth(other))))
-    if not any(_is_within(obj, other) for other, share in shares.items() if share > LEAST_SHARE) and any(
-            _is_within(other, obj) and back(other) > LEAST_SHARE for other in shares):
-        return WornOver(None, [], True, trees)
-    under = [other for other, share in shares.items() if share > LEAST_BODY]
+    trimmings = []
+    if not any(_is_within(obj, other) for other, share in shares.items() if share > LEAST_SHARE):
+        trimmings = [other for other in shares if _is_within(other, obj) and back(other) > LEAST_SHARE]
+        if trimmings and sum(map(_area, trimmings)) >= LEAST_CLOTHED * _area(obj):
+            return WornOver(None, [], trimmings, trees)
+    under = [other for other, share in shares.items() if share > LEAST_BODY and other not in trimmings]
     worn = {other for other in under if _is_worn(cloth(other), [trees[body] for body in under if body != other])}
     body = max((other for other in under if other not in worn and modifier.find(other) is None), key=shares.get,
                default=None)
     garments = [other for other, share in shares.items() if other != body and share > LEAST_OVERLAP
                 and share > MORE_OVER * back(other)]
-    return WornOver(body, garments, False, trees)
+    return WornOver(body, garments, [], trees)
 
 
 def _is_within(garment: bpy.types.Object, obj: bpy.types.Object) -> bool:
@@ -87,6 +96,11 @@ def _is_within(garment: bpy.types.Object, obj: bpy.types.Object) -> bool:
     (low, high), (own_low, own_high) = ((rest.min(axis=0), rest.max(axis=0)) for rest in map(_rest, (garment, obj)))
     spare = WITHIN * float(np.sqrt(((own_high - own_low) ** 2).sum()))
     return bool((low >= own_low - spare).all() and (high <= own_high + spare).all())
+
+
+def _area(obj: bpy.types.Object) -> float:
+    """At rest in world space; of clothes with a modelled thickness that of the outer side."""
+    return float(lengths(area_vectors(_rest(obj), triangles_of(obj))).sum())
 
 
 def armatures(obj: bpy.types.Object) -> set[bpy.types.Object]:

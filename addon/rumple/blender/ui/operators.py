@@ -169,8 +169,12 @@ class OBJECT_OT_rumple_add(bpy.types.Operator):
         with incoming_mesh.whole(body_search.candidates(obj, context.scene)):
             worn_over = self._set_cloth(obj, context.scene, lengths)
         self._adjust(context, obj)
-        if cloth_defaults.is_cloth(obj) or worn_over.body is None or properties.group_of(obj).is_property_set(
-                "base_cloth"):
+        if cloth_defaults.is_cloth(obj) or properties.group_of(obj).is_property_set("base_cloth"):
+            return []
+        if worn_over.is_body and cloth_defaults.defaults(obj, context.scene):
+            return [f"{obj.name}: {worn_over.clothes[0].name} lies over it, so it is taken for a body and is not made "
+                    "cloth: if it is a garment, set Base Cloth to Hang"]
+        if worn_over.body is None:
             return []
         if self.method != "MESH" and cloth_defaults.has_inner_side(obj):
             return [f"{obj.name}: its thickness is modelled, so it is not made cloth: only a Wrinkle Mesh makes such "
