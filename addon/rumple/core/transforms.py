@@ -140,3 +140,9 @@ def _moments(left: np.ndarray, right: np.ndarray) -> np.ndarray:
 def _crossed(a: np.ndarray, b: np.ndarray) -> tuple[float, float, float]:
     (ax, ay, az), (bx, by, bz) = a.tolist(), b.tolist()
     return ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx
+
+
+def stretch_range(matrix: np.ndarray) -> tuple[float, float]:
+    """How many times as long a (3, 3) matrix makes what it shortens most, and what it lengthens most."""
+    lengths = np.linalg.svd(matrix, compute_uv=False)
+    return float(lengths[2]), float(lengths[0])

@@ -8,6 +8,7 @@ import bpy
 import numpy as np
 from mathutils import Matrix, Vector
 
+from ...core import transforms
 from .. import compat
 
 SCALES = [(name, axis) for name in ("scale", "delta_scale") for axis in range(3)]
@@ -60,8 +61,8 @@ def unevenly_scaled(obj: bpy.types.Object, scene: bpy.types.Scene) -> bpy.types.
 
 
 def _is_uneven(matrix: Matrix) -> bool:
-    lengths = np.linalg.svd(np.array(matrix.to_3x3()), compute_uv=False)
-    return bool(lengths[0] > EVEN * lengths[2])
+    least, most = transforms.stretch_range(np.array(matrix.to_3x3()))
+    return most > EVEN * least
 
 
 def _differ(scale: list[float]) -> bool:
