@@ -5,13 +5,14 @@ from __future__ import annotations
 import os
 import tempfile
 import unittest
+from unittest import mock
 
 import bpy
 import numpy as np
 from rumple.blender import compat, scheduler
-from rumple.blender.frame import path_curves
-from rumple.blender.objects import modifier, runtimes
-from support import sleeve
+from rumple.blender.frame import path_curves, solve
+from rumple.blender.objects import modifier, posed_coarse, runtimes
+from support import sleeve, small_renders
 
 
 def key(obj: bpy.types.Object, hidden: dict[int, bool]) -> None:
@@ -115,6 +116,46 @@ class Hidden(unittest.TestCase):
         self.obj.hide_viewport = True
         with self.assertRaisesRegex(RuntimeError, "Sleeve: nothing is solved at frame [0-9]+, it is hidden: show it"):
             bpy.ops.object.rumple_bake()
+
+
+class WhileRendering(unittest.TestCase):
+    """What Blender has forgotten is not written to let it be evaluated once more: the depsgraph of a render is being
+    evaluated, and in 4.3 a write to that of a viewport meanwhile crashes."""
+
+    def setUp(self) -> None:
+        self.obj = small_renders.stage("CYCLES")
+        sleeve.at(2)
+        mask = self.obj.modifiers.new("Nothing", "MASK")  # as if Blender had forgotten the fine mesh
+        mask.vertex_group, mask.threshold = "upper", 1.0
+        self.enterContext(mock.patch.object(posed_coarse, "positions", return_value=None))
+        self.asked = self.enterContext(mock.patch.object(solve, "_evaluate_outputs", return_value=True))
+
+    def test_the_viewport_asks_for_it(self) -> None:
+        sleeve.at(3)
+        self.assertEqual(len(sleeve.shown(self.obj)), 0)
+        self.asked.assert_called()
+
+    def test_a_render_does_not(self) -> None:
+        seen = []
+
+        def look(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
+            seen.append((depsgraph.mode, len(self.obj.evaluated_get(depsgraph).data.vertices)))
+
+        bpy.app.handlers.frame_change_post.append(look)
+        self.addCleanup(bpy.app.handlers.frame_change_post.remove, look)
+        self.asked.side_effect = lambda *_: self.assertFalse(scheduler.rendering()) or True
+        with tempfile.TemporaryDirectory() as folder:
+            bpy.context.scene.render.filepath = os.path.join(folder, "still.png")
+            bpy.ops.render.render(write_still=True)
+        self.assertIn(("RENDER", 0), seen)
+        self.assertEqual(self.obj.rumple.message, "")
+
+    def test_nor_does_a_viewport_meanwhile(self) -> None:
+        self.asked.reset_mock()
+        with mock.patch.object(scheduler, "_render_running", True):
+            sleeve.at(4)
+        self.assertEqual(len(sleeve.shown(self.obj)), 0)
+        self.asked.assert_not_called()
 
 
 if __name__ == "__main__":

@@ -144,5 +144,5 @@ def _crossed(a: np.ndarray, b: np.ndarray) -> tuple[float, float, float]:
 
 def stretch_range(matrix: np.ndarray) -> tuple[float, float]:
     """How many times as long a (3, 3) matrix makes what it shortens most, and what it lengthens most."""
-    lengths = np.linalg.svd(matrix, compute_uv=False)
-    return float(lengths[2]), float(lengths[0])
+    squares = principal_axes(product(matrix.T, matrix)[None])[0][0]
+    return math.sqrt(max(squares[0], 0.0)), math.sqrt(max(squares[2], 0.0))
