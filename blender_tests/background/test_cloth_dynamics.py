@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Wrinkles over Blender 5.2's own Cloth Dynamics, an asset with the XPBD Solver: live, after jumps, in renders, baked."""
+"""Wrinkles over Blender 5.2's own Cloth Dynamics, an asset with the XPBD Solver: played, jumped to, rendered, baked."""
 from __future__ import annotations
 
 import unittest
