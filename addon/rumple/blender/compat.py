@@ -229,6 +229,19 @@ def indices(elements: bpy.types.bpy_prop_collection, prop: str, width: int = 1) 
     return found
 
 
+def triangle_vertices(mesh: bpy.types.Mesh) -> np.ndarray:
+    """The three vertices of every triangle of its polygons, (t, 3) int32. Makes the triangles."""
+    mesh.calc_loop_triangles()
+    return indices(mesh.loop_triangles, "vertices", 3).reshape(-1, 3)
+
+
+def uv_values(layer: bpy.types.MeshUVLoopLayer) -> np.ndarray:
+    """(corners, 2) float32 of a UV map."""
+    values = np.empty((len(layer.data), 2), np.float32)
+    layer.data.foreach_get("uv", values.ravel())
+    return values
+
+
 def edge_vertices(mesh: bpy.types.Mesh) -> np.ndarray:
     """The two vertices of every edge, (e, 2) int32."""
     return indices(mesh.edges, "vertices", 2).reshape(-1, 2)

@@ -115,9 +115,5 @@ def normals(mesh: bpy.types.Mesh) -> np.ndarray:
 
 def uv_maps(mesh: bpy.types.Mesh) -> dict[str, np.ndarray]:
     """(corners, 2) float32 by name, the one for renders first."""
-    maps = {}
-    for layer in sorted(mesh.uv_layers, key=lambda layer: not layer.active_render):
-        values = np.empty(2 * len(mesh.loops), np.float32)
-        layer.data.foreach_get("uv", values)
-        maps[layer.name] = values.reshape(-1, 2)
-    return maps
+    layers = sorted(mesh.uv_layers, key=lambda layer: not layer.active_render)
+    return {layer.name: compat.uv_values(layer) for layer in layers}

@@ -282,13 +282,10 @@ class _Triangulated(NamedTuple):
 
     @classmethod
     def of(cls, rest: bpy.types.Mesh, connections: _Connections) -> "_Triangulated":
-        rest.calc_loop_triangles()
-        found = np.empty(len(rest.loop_triangles) * 3, np.int32)
-        rest.loop_triangles.foreach_get("vertices", found)
-        positions = compat.positions(rest)
-        faced, may_turn = side(positions, found.reshape(-1, 3)), is_nearly_closed(positions, found.reshape(-1, 3))
-        one, other = found.reshape(-1, 3), np.ascontiguousarray(found.reshape(-1, 3)[:, ::-1])
-        outwards, inwards = (other, one) if faced < 0 else (one, other)
+        found, positions = compat.triangle_vertices(rest), compat.positions(rest)
+        faced, may_turn = side(positions, found), is_nearly_closed(positions, found)
+        turned = np.ascontiguousarray(found[:, ::-1])
+        outwards, inwards = (turned, found) if faced < 0 else (found, turned)
         some = np.ascontiguousarray(outwards[::max(len(outwards) // _SOME, 1)])
         return cls(connections, outwards, some, inwards if faced and may_turn else None)
 

@@ -117,9 +117,7 @@ def _content(mesh: bpy.types.Mesh) -> str:
                 and attribute.name not in _CAPTURED):
             digest.update(attribute.name.encode() + compat.read_attribute(attribute).tobytes())
     for layer in mesh.uv_layers:
-        uv = np.empty(len(mesh.loops) * 2, np.float32)
-        layer.data.foreach_get("uv", uv)
-        digest.update(layer.name.encode() + uv.tobytes())
+        digest.update(layer.name.encode() + compat.uv_values(layer).tobytes())
     for prop, values in compat.edge_marks(mesh).items():  # no attributes in 3.4
         digest.update(prop.encode() + values.tobytes())
     digest.update(repr([[(group.group, group.weight) for group in vertex.groups] for vertex in mesh.vertices]).encode())

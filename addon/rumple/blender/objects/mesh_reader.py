@@ -82,11 +82,7 @@ def _map_of_every_system(obj: bpy.types.Object, mesh: bpy.types.Mesh, key: str) 
 def render_uv(mesh: bpy.types.Mesh) -> np.ndarray | None:
     """The UV map that renders use, (corners, 2) float32; None where there is none."""
     layer = next((layer for layer in mesh.uv_layers if layer.active_render), None)
-    if layer is None:
-        return None
-    flat = np.empty(len(mesh.loops) * 2, np.float32)
-    layer.data.foreach_get("uv", flat)
-    return flat.reshape(-1, 2)
+    return None if layer is None else compat.uv_values(layer)
 
 
 def own_mesh(obj: bpy.types.Object, own: bpy.types.Object) -> engine.BaseMesh:
@@ -131,17 +127,18 @@ def rest_positions(obj: bpy.types.Object, rest_shape: str, rest_key: str) -> np.
         if rest_key not in blocks:
             raise engine.UserError(f"{obj.name}: it has no shape key named \"{rest_key}\" to rest at: choose another")
         if incoming_mesh.is_own(obj):
-            return _key_positions(blocks[rest_key])
+            return key_positions(blocks[rest_key])
     return basis_positions(mesh)  # what modifiers made of a shape key has that shape
 
 
 def basis_positions(mesh: bpy.types.Mesh) -> np.ndarray:
     """Of the undeformed mesh, (n, 3) float32."""
     keys = mesh.shape_keys
-    return _key_positions(keys.reference_key) if keys else compat.positions(mesh)
+    return key_positions(keys.reference_key) if keys else compat.positions(mesh)
 
 
-def _key_positions(key: bpy.types.ShapeKey) -> np.ndarray:
+def key_positions(key: bpy.types.ShapeKey) -> np.ndarray:
+    """Of the vertices under a shape key, (n, 3) float32."""
     flat = np.empty(len(key.data) * 3, np.float32)
     key.data.foreach_get("co", flat)
     return flat.reshape(-1, 3)

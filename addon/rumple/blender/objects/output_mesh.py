@@ -65,9 +65,8 @@ class Inherited:
             mesh.polygons.foreach_get(prop, values)
             digest.update(values.tobytes())
         for layer in mesh.uv_layers:
-            flat = np.empty(len(mesh.loops) * 2, np.float32)
-            layer.data.foreach_get("uv", flat)
-            digest.update(f"{layer.name} {layer.active} {layer.active_render}".encode() + flat.tobytes())
+            digest.update(f"{layer.name} {layer.active} {layer.active_render}".encode()
+                          + compat.uv_values(layer).tobytes())
         for attribute in compat.generic_attributes(mesh):
             digest.update(f"{attribute.name} {attribute.domain}".encode() + compat.read_attribute(attribute).tobytes())
         for prop, values in compat.edge_marks(mesh).items():
@@ -215,10 +214,9 @@ def _carry_uv_maps(mesh: bpy.types.Mesh, inherited: bpy.types.Mesh, fine: ShownM
     for name in [layer.name for layer in inherited.uv_layers]:
         layer = inherited.uv_layers[name]
         active, active_render = (name if layer.active else active), (name if layer.active_render else active_render)
-        flat = np.empty(len(inherited.loops) * 2, np.float32)
-        layer.data.foreach_get("uv", flat)
+        coarse_uv = compat.uv_values(layer)
         mesh.uv_layers.new(name=name, do_init=False)
-        fine_uv = np.ascontiguousarray(fine.carry_corners(flat.reshape(-1, 2)), np.float32)
+        fine_uv = np.ascontiguousarray(fine.carry_corners(coarse_uv), np.float32)
         mesh.uv_layers[name].data.foreach_set("uv", fine_uv.ravel())
     if active:
         mesh.uv_layers[active].active = True

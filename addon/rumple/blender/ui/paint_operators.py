@@ -260,9 +260,7 @@ def _uv_map(obj: bpy.types.Object) -> np.ndarray:
     layer = obj.data.uv_layers.active
     if layer is None:
         raise UserError(f"{obj.name}: it has no UV map to look an image up by: unwrap it in Edit Mode first")
-    flat = np.empty(len(obj.data.loops) * 2, np.float32)
-    layer.data.foreach_get("uv", flat)
-    return flat.reshape(-1, 2)
+    return compat.uv_values(layer)
 
 
 def _pixels(obj: bpy.types.Object, image: bpy.types.Image) -> np.ndarray:
