@@ -8,6 +8,7 @@ import bpy
 import numpy as np
 
 from ...core.shape_keys import weights_of_key
+from ..objects import mesh_reader
 
 SET = 1e-3  # a value that differs by more was set; less is what a driver leaves behind
 
@@ -48,27 +49,15 @@ def are_set(obj: bpy.types.Object, names: list[str]) -> bool:
 def weights(obj: bpy.types.Object, name: str) -> np.ndarray:
     """(n,) 0..1: how far a key moves each vertex, in place of a skin weight."""
     block = obj.data.shape_keys.key_blocks[name]
-    ways = _points(block) - _points(block.relative_key)
-    group = obj.vertex_groups.get(block.vertex_group)
-    if group is not None:
-        ways *= _group_weights(obj, group.index)[:, None]
-    return weights_of_key(ways)
+    displacements = mesh_reader.key_positions(block) - mesh_reader.key_positions(block.relative_key)
+    if block.vertex_group in obj.vertex_groups:
+        displacements *= mesh_reader.group_weights(obj, obj.data, [block.vertex_group])
+    return weights_of_key(displacements)
 
 
 def moving(obj: bpy.types.Object) -> list[str]:
     """Names of the keys that move any vertex."""
     return [block.name for block in blocks(obj) if weights(obj, block.name).any()]
-
-
-def _points(block: bpy.types.ShapeKey) -> np.ndarray:
-    flat = np.empty(3 * len(block.data), np.float32)
-    block.data.foreach_get("co", flat)
-    return flat.reshape(-1, 3)
-
-
-def _group_weights(obj: bpy.types.Object, index: int) -> np.ndarray:
-    return np.array([next((e.weight for e in vertex.groups if e.group == index), 0.0) for vertex in obj.data.vertices],
-                    np.float32)
 
 
 # ---------------------------------------------------------------- setting them
