@@ -11,7 +11,9 @@ from unittest import mock
 import bpy
 from rumple.blender import compat, scheduler
 from rumple.blender.frame import clip_status
+from rumple.blender.maps import overlay
 from rumple.blender.objects import modifier, runtimes, stack_notes
+from rumple.blender.viewport.draw_handler import DrawHandler
 from rumple.core import engine
 from rumple.core.systems import SYSTEMS
 from support import sleeve
@@ -161,6 +163,16 @@ class Words(unittest.TestCase):
             bpy.ops.object.rumple_add(method="MAPS")
         self.assertNotIn("Traceback", str(caught.exception))
         self.assertIn("armature", str(caught.exception).lower())
+
+    def test_what_goes_wrong_while_a_viewport_is_drawn_is_said_once(self) -> None:
+        """The influences of Wrinkle Maps had no guard: a traceback at every redraw. The GPU preview said it anew."""
+        for handler, fails in ((overlay.handler, "rumple.blender.maps.modifier.mapped_objects"),
+                               (DrawHandler("the cloth", lambda: [].pop()), "rumple.blender.scheduler.request")):
+            said = io.StringIO()
+            with contextlib.redirect_stdout(said), mock.patch(fails, side_effect=KeyError("gone")):
+                handler.draw()
+                handler.draw()
+            self.assertEqual(said.getvalue().count("unexpected"), 1)
 
 
 if __name__ == "__main__":

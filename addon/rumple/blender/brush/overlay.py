@@ -2,6 +2,7 @@
 """What is painted, drawn in the viewport while the brush is in hand: a line along the folds at every point."""
 from __future__ import annotations
 
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any
 
@@ -34,7 +35,6 @@ class _Drawn:
 
 _tool = ""
 _last: _Drawn | None = None
-_complaint = ""
 
 
 def register(tool: str) -> None:
@@ -53,17 +53,10 @@ def forget() -> None:
     _last = None
 
 
-def _draw_guarded() -> None:
-    """A draw handler must not throw: Blender would go on calling it. What is wrong goes to the console once."""
-    global _complaint
-    try:
+def _draw_what_can_be() -> None:
+    """Nothing where the wrinkles or the mesh are refused: their panel says why."""
+    with suppress(UserError):
         _draw(bpy.context)
-        _complaint = ""
-    except Exception as error:
-        text = "" if isinstance(error, UserError) else f"Rumple: the overlay cannot be drawn: {error!r}"
-        if text and text != _complaint:
-            print(text)
-        _complaint = text
 
 
 def _draw(context: bpy.types.Context) -> None:
@@ -135,4 +128,4 @@ def draw_cursor(brush: bpy.types.PropertyGroup, place: tuple[float, float]) -> N
     draw_circle_2d(place, CURSOR, brush.radius, segments=48)
 
 
-handler = DrawHandler(_draw_guarded, forget)
+handler = DrawHandler("the overlay of the brush", _draw_what_can_be, forget)

@@ -36,7 +36,7 @@ def _masks(mesh: bpy.types.Mesh, count: int) -> np.ndarray | None:
 
 
 def _draw() -> None:
-    """Called by every 3D view. Must not throw: Blender would print it at every redraw."""
+    """Called by every 3D view."""
     mapped = [obj for obj, _ in maps_modifier.mapped_objects()]
     objects = [obj for obj in mapped if obj.rumple_maps.show_influences and obj.visible_get()]
     if not objects:
@@ -54,12 +54,9 @@ def _draw_mesh(evaluated: bpy.types.Object, colour: np.ndarray) -> None:
     from gpu_extras.batch import batch_for_shader
     from mathutils import Vector
     mesh = evaluated.data
-    mesh.calc_loop_triangles()
-    triangles = np.empty(3 * len(mesh.loop_triangles), np.int32)
-    mesh.loop_triangles.foreach_get("vertices", triangles)
     shader = gpu.shader.from_builtin(compat.SMOOTH_COLOR_SHADER)
     batch = batch_for_shader(shader, "TRIS", dict(pos=compat.positions(mesh), color=colour),
-                             indices=triangles.reshape(-1, 3))
+                             indices=compat.triangle_vertices(mesh))
     gpu.state.blend_set("ALPHA_PREMULT")
     gpu.state.depth_test_set("LESS_EQUAL")
     with gpu.matrix.push_pop(), gpu.matrix.push_pop_projection():
@@ -72,5 +69,5 @@ def _draw_mesh(evaluated: bpy.types.Object, colour: np.ndarray) -> None:
     gpu.state.blend_set("NONE")
 
 
-handler = DrawHandler(_draw)
+handler = DrawHandler("the overlay of the influences", _draw)
 register, unregister = handler.add, handler.remove

@@ -7,6 +7,8 @@ from typing import Any, Callable
 import bpy
 from bpy.app.handlers import persistent
 
+from ..objects import messages
+
 
 class DrawHandler:
     """A function that Blender calls when it has drawn a 3D viewport.
@@ -14,9 +16,10 @@ class DrawHandler:
     None in background mode: there is no viewport, and the gpu module crashes 3.4 there.
     """
 
-    def __init__(self, draw: Callable[[], None], clear: Callable[[], None] | None = None) -> None:
-        """clear: drops what draw() keeps; called before another file is loaded, and when the handler is removed."""
-        self._draw, self._clear = draw, clear
+    def __init__(self, what: str, draw: Callable[[], None], clear: Callable[[], None] | None = None) -> None:
+        """what: it draws, for the console. clear: drops what draw() keeps; called before another file is loaded, and
+        when the handler is removed."""
+        self._what, self._draw, self._clear = what, draw, clear
         self._handle: Any = None
 
         @persistent
@@ -30,10 +33,15 @@ class DrawHandler:
         """Whether Blender calls it."""
         return self._handle is not None
 
+    def draw(self) -> None:
+        """What Blender calls. Never raises, or Blender would print it at every redraw."""
+        with messages.console_errors(self._what):
+            self._draw()
+
     def add(self) -> None:
         """Nothing where it is there already, or in background mode."""
         if self._handle is None and not bpy.app.background:
-            self._handle = bpy.types.SpaceView3D.draw_handler_add(self._draw, (), "WINDOW", "POST_VIEW")
+            self._handle = bpy.types.SpaceView3D.draw_handler_add(self.draw, (), "WINDOW", "POST_VIEW")
             bpy.app.handlers.load_pre.append(self._on_load)
 
     def remove(self) -> None:

@@ -25,7 +25,6 @@ CORNERS = 16  # of an ellipse
 NEARER = 0.02  # share of the way to the viewer that it is drawn nearer, so that folds do not hide it
 
 _drawn: dict[int, tuple[runtimes.Inputs, float, Any]] = {}  # by session key: what the batch was made from, the batch
-_complaint = ""
 
 
 def shown_objects() -> Iterator[tuple[bpy.types.Object, runtimes.Runtime]]:
@@ -67,9 +66,8 @@ def _repeated(colours: np.ndarray, alpha: float, labels: np.ndarray, times: int)
 
 
 # ---------------------------------------------------------------- drawing
-def _draw_guarded() -> None:
-    """The draw handler. Never raises: what is wrong goes to the console once. Never waits for a solve."""
-    global _complaint
+def _draw_all() -> None:
+    """The draw handler. Never waits for a solve."""
     space = bpy.context.space_data
     if scheduler.rendering() or space is None or space.type != "VIEW_3D" or not space.overlay.show_overlays:
         return
@@ -82,12 +80,6 @@ def _draw_guarded() -> None:
         for key, (obj, runtime) in shown.items():
             if obj.visible_get(viewport=space):
                 _draw(obj, _batch(key, runtime, obj.rumple.paths.overlay_opacity))
-        _complaint = ""
-    except Exception as error:
-        text = f"Rumple: the overlay of the paths cannot be drawn: {error!r}"
-        if text != _complaint:
-            print(text)
-        _complaint = text
     finally:
         scheduler.LOCK.release()
 
@@ -128,5 +120,5 @@ def _draw(obj: bpy.types.Object, batch: Any) -> None:
 
 
 # ---------------------------------------------------------------- registration
-handler = DrawHandler(_draw_guarded, _drawn.clear)
+handler = DrawHandler("the overlay of the paths", _draw_all, _drawn.clear)
 register, unregister = handler.add, handler.remove

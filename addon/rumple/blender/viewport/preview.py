@@ -43,7 +43,7 @@ class Drawing(Protocol):
 
     def update(self, obj: bpy.types.Object, runtime: runtimes.Runtime, before: runtimes.Inputs | None,
                slots: np.ndarray) -> bool:
-        """Bring the GPU to entry.inputs, which are new; `before` is what it holds. False where nothing is to be drawn.
+        """Bring the GPU to runtime.inputs, which are new; before: what it holds. False where nothing is to be drawn.
 
         slots: (t,) material slot of every triangle of the mesh.
         """
@@ -147,7 +147,7 @@ def refusal(obj: bpy.types.Object) -> str:
 
 # ---------------------------------------------------------------- drawing
 def _draw() -> None:
-    """The draw handler. Never raises, never waits for a solve."""
+    """The draw handler. Never waits for a solve."""
     space = bpy.context.space_data
     if scheduler.rendering() or space is None or space.type != "VIEW_3D":
         return
@@ -161,8 +161,6 @@ def _draw() -> None:
         if _draws_in(space):
             _draw_all([(obj, runtime, key) for key, (obj, runtime) in shown.items()
                        if obj.visible_get(viewport=space)], space)
-    except Exception as error:
-        print(f"Rumple: the GPU preview failed: {error}")
     finally:
         scheduler.LOCK.release()
 
@@ -321,5 +319,5 @@ def _block(obj: bpy.types.Object, view: Matrix, projection: Matrix, lights: stud
 
 
 # ---------------------------------------------------------------- registration
-handler = DrawHandler(_draw, _clear)
+handler = DrawHandler("the GPU preview", _draw, _clear)
 register, unregister = handler.add, handler.remove
