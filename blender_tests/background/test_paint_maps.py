@@ -265,6 +265,8 @@ class Refused(unittest.TestCase):
             ours = linked.override_create(remap_local_usages=True)
             bpy.context.view_layer.objects.active = ours
             self.refused("This mesh is linked from another file: append it", group="radius")
+            with self.assertRaisesRegex(RuntimeError, "This mesh is linked from another file: append it"):
+                bpy.ops.object.rumple_capture_rest(frame=1)
             mesh = ours.data.override_create(remap_local_usages=True)
             self.assertEqual(ours.data, mesh)
             self.refused("This mesh is a library override, which keeps no paint", group="radius")

@@ -343,6 +343,9 @@ class OBJECT_OT_rumple_capture_rest(ui_base.OnWrinkled, bpy.types.Operator):
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         obj, scene = context.object, context.scene
+        if not compat.is_editable(incoming_mesh.of(obj)):
+            self.report({"ERROR"}, said("This mesh is linked from another file: append it, or make it local"))
+            return {"CANCELLED"}
         if self.properties.is_property_set("frame"):
             obj.rumple.rest_frame = self.frame
         now = scene.frame_current, scene.frame_subframe
