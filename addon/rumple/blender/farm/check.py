@@ -15,7 +15,6 @@ from ...core import clip_folder
 from ...native import NativeMissing, kernels
 from ...native.library import lib
 from ..bake import clip
-from ..bake.playback import BakeError
 from ..frame import clip_status
 from ..nodes import wrinkle_tree
 from ..objects import bodies, modifier
@@ -116,11 +115,7 @@ def _disk(garments: list[bpy.types.Object]) -> Iterator[Finding]:
     """Clips that are still to be baked, folder by folder."""
     needed: dict[Path, int] = {}
     for obj in garments:
-        try:
-            path = clip.new_clip_path(obj)
-        except BakeError as error:
-            yield Finding("folder", str(error))
-            continue
+        path = clip.new_clip_path(obj)
         if not path.is_file():
             needed[path.parent] = needed.get(path.parent, 0) + plan.bytes_of(obj)
     for folder, count in needed.items():
