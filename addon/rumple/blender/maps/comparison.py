@@ -16,7 +16,7 @@ from .runtimes import Runtime
 
 
 def ensure(obj: bpy.types.Object, runtime: Runtime) -> None:
-    """Make entry.comparison for the object as it is. Reads only: allowed in any handler. Raises UserError."""
+    """Make runtime.comparison for the object as it is. Reads only: allowed in any handler. Raises UserError."""
     if not obj.rumple_maps.poses:
         runtime.comparison, runtime.shape = None, ""
         runtime.notes = [f"{obj.name}: pose its armature and add a reference pose" if obj.find_armature() is not None

@@ -78,10 +78,10 @@ def remove(obj: bpy.types.Object) -> None:
     nodes_mod = find(obj)
     if nodes_mod is None:
         return
-    hidden_objs = hidden(nodes_mod)
+    read = hidden(nodes_mod)
     _MAPPED.remove(obj, nodes_mod, _HIDDEN)
     still_hidden = {other for _, another in mapped_objects() for other in hidden(another)}
-    for former in hidden_objs - still_hidden:
+    for former in read - still_hidden:
         modifier.delete_hidden(former)
 
 
@@ -112,7 +112,7 @@ def wrinkles(nodes_mod: bpy.types.NodesModifier) -> bpy.types.Object | None:
 
 def hidden(nodes_mod: bpy.types.NodesModifier) -> set[bpy.types.Object]:
     """Skin and skeleton, where it has them."""
-    return {hidden_objs for hidden_objs in (skin(nodes_mod), skeleton(nodes_mod)) if hidden_objs is not None}
+    return {read for read in (skin(nodes_mod), skeleton(nodes_mod)) if read is not None}
 
 
 def connect(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier, new_skin: bpy.types.Object | None,
@@ -130,6 +130,6 @@ def connect(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier, new_skin:
     # An input set from Python does not tell the dependency graph about the new relation; setting the group does.
     nodes_mod.node_group = nodes_mod.node_group
     obj.update_tag()
-    for hidden_objs in former - {new_skin, new_skeleton}:
-        if hidden_objs.users == 0:
-            modifier.delete_hidden(hidden_objs)
+    for unread in former - {new_skin, new_skeleton}:
+        if unread.users == 0:
+            modifier.delete_hidden(unread)

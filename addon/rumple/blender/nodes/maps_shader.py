@@ -168,17 +168,17 @@ def insert(material: bpy.types.Material, group: bpy.types.NodeTree) -> None:
 def remove(material: bpy.types.Material) -> bool:
     """Take out what insert() put in: the links are as before. True when there was something."""
     tree = material.node_tree
-    nodes_mod = [node for node in tree.nodes if _is_our_node(node)] if tree is not None else []
-    for node in nodes_mod:
+    ours = [node for node in tree.nodes if _is_our_node(node)] if tree is not None else []
+    for node in ours:
         source = next((link.from_socket for link in node.inputs[INPUT].links), None)
         targets = [link.to_socket for link in node.outputs[OUTPUT].links]
         for target in targets:
             if source is not None:
                 tree.links.new(source, target)
         tree.nodes.remove(node)
-    for node in [node for node in tree.nodes if KEY in node] if nodes_mod else ():
+    for node in [node for node in tree.nodes if KEY in node] if ours else ():
         tree.nodes.remove(node)
-    return bool(nodes_mod)
+    return bool(ours)
 
 
 def shown_in(material: bpy.types.Material) -> bpy.types.NodeTree | None:
@@ -245,7 +245,7 @@ def _shaders(material: bpy.types.Material) -> Iterator[bpy.types.Node]:
         seen.add(node)
         if "Normal" in node.inputs:
             yield node
-        waiting += [runtime for runtime in node.inputs if runtime.type == "SHADER"]
+        waiting += [socket for socket in node.inputs if socket.type == "SHADER"]
 
 
 def _source_of(target: bpy.types.NodeSocket) -> tuple[bpy.types.NodeSocket, bpy.types.Node | None]:
