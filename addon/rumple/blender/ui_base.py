@@ -13,6 +13,7 @@ from .objects import mesh_reader, modifier, properties
 from .translation import said
 
 LETTER_PIXELS = 8.0  # of a label, on average, with room for icon and margin
+LABEL_SHARE = 0.4  # of a column, as Blender has it
 NARROW = 22  # letters across: less, and names beside values would be cut off
 WRINKLED = "This object has wrinkles already: press Remove in their panel first"
 # Chinese and Japanese letters are twice as wide, and a line may break behind each, but not in front of a full stop.
@@ -104,16 +105,21 @@ def draw_setting(column: bpy.types.UILayout, group: bpy.types.PropertyGroup, nam
     return row
 
 
+def labelled_row(column: bpy.types.UILayout, label: str) -> bpy.types.UILayout:
+    """A row behind a label, where a column of properties has its values: such a column cannot grey a part of a row."""
+    split = column.split(factor=LABEL_SHARE)
+    name = split.row()
+    name.alignment = "RIGHT"
+    name.label(text=label)
+    return split.row(align=True)
+
+
 def named_paint(column: bpy.types.UILayout, obj: bpy.types.Object, name: str, group: str) -> None:
     """The name of a vertex group or an attribute, and the button that paints the group."""
     settings = properties.group_of(obj)
     wanted = getattr(settings, name)
     exists = wanted in obj.vertex_groups
-    split = column.split(factor=0.4)  # as a column of properties has it, which cannot grey a part of a row
-    label = split.row()
-    label.alignment = "RIGHT"
-    label.label(text=settings.bl_rna.properties[name].name)
-    row = split.row(align=True)
+    row = labelled_row(column, settings.bl_rna.properties[name].name)
     field = row.row(align=True)
     field.active = exists or wanted in obj.data.attributes  # greyed: a name that nothing has yet
     field.prop(settings, name, text="")

@@ -6,7 +6,7 @@ import bpy
 
 from ...core.hangs_free import FREE
 from ..objects import mesh_reader, properties
-from ..ui_base import Panel, draw_note, draw_setting, settings_column
+from ..ui_base import Panel, draw_note, draw_setting, labelled_row, settings_column
 
 
 class DATA_PT_rumple_cloth(Panel, bpy.types.Panel):
@@ -73,11 +73,7 @@ def painted(column: bpy.types.UILayout, obj: bpy.types.Object, name: str) -> Non
 
 def paint_only(column: bpy.types.UILayout, obj: bpy.types.Object, name: str, label: str) -> None:
     """A row for what has no value but the painted one, label and button where other rows have theirs."""
-    split = column.split(factor=0.4)
-    row = split.row()
-    row.alignment = "RIGHT"
-    row.label(text=label)
-    paint_button(split.row(), obj, name)
+    paint_button(labelled_row(column, label), obj, name)
 
 
 def paint_button(row: bpy.types.UILayout, obj: bpy.types.Object, name: str) -> None:

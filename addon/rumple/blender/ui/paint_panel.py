@@ -6,11 +6,10 @@ import bpy
 
 from ..objects import painted_maps, weight_paint
 from ..translation import said
-from ..ui_base import Panel, draw_note, settings_column
+from ..ui_base import Panel, draw_note, labelled_row, settings_column
 from . import paint_words
 
 NO_FOLDS = "This mask or tool of Weight Paint needs the coarse mesh: folds are shown again after it"
-LABEL_SHARE = 0.4  # of a row, as where a property has its name
 
 
 class DATA_PT_rumple_paint(Panel, bpy.types.Panel):
@@ -31,11 +30,7 @@ class DATA_PT_rumple_paint(Panel, bpy.types.Panel):
 
 def _draw_map(column: bpy.types.UILayout, obj: bpy.types.Object, painted: painted_maps.PaintedMap,
               numbers: tuple[float, float] | None) -> None:
-    split = column.split(factor=LABEL_SHARE)
-    label = split.row()
-    label.alignment = "RIGHT"
-    label.label(text=painted.label)
-    row = split.row(align=True)
+    row = labelled_row(column, painted.label)
     row.operator("object.rumple_paint", text="", icon="WPAINT_HLT" if painted.exists else "BRUSH_DATA",
                  depress=is_active_map(obj, painted)).group = painted.key
     row.operator("object.rumple_paint_from_border", text="", icon="MOD_EDGESPLIT").group = painted.key
