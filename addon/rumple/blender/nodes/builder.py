@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Geometry nodes by code: what every tree of ours is written with."""
+"""Nodes by code: what every tree of ours is written with."""
 from __future__ import annotations
 
 from typing import Any, Iterable
@@ -24,8 +24,11 @@ def empty_modifier_group(group: bpy.types.NodeTree, inputs: Iterable[tuple[str, 
     compat.mark_as_modifier(group)
 
 
-class GeometryNodes:
+class Nodes:
     """Adds nodes from left to right; every method returns the output socket of what it added."""
+
+    ROWS = 6  # nodes below one another
+    WIDTH, HEIGHT = 180.0, 160.0  # of a node and what is free around it
 
     def __init__(self, group: bpy.types.NodeTree) -> None:
         self.group = group
@@ -35,12 +38,9 @@ class GeometryNodes:
         node = self.group.nodes.new(kind)
         for name, value in properties.items():
             setattr(node, name, value)
-        node.location = (180.0 * (self.count // 6), -160.0 * (self.count % 6))
+        node.location = (self.WIDTH * (self.count // self.ROWS), -self.HEIGHT * (self.count % self.ROWS))
         self.count += 1
         return node
-
-    def link(self, output: Socket, node: bpy.types.Node, name: str) -> None:
-        self.group.links.new(output, compat.socket(node.inputs, name))
 
     def put(self, value: object, target: Socket) -> None:
         """A link, or a constant."""
@@ -48,6 +48,38 @@ class GeometryNodes:
             self.group.links.new(value, target)
         else:
             target.default_value = value
+
+    def vector(self, operation: str, *operands: object) -> Socket:
+        """Operands: sockets or three numbers; the second of SCALE is a number."""
+        node = self.node("ShaderNodeVectorMath", operation=operation)
+        targets = [node.inputs[0], node.inputs["Scale"]] if operation == "SCALE" else node.inputs
+        for operand, target in zip(operands, targets):
+            self.put(operand, target)
+        return node.outputs["Value" if operation in ("DOT_PRODUCT", "LENGTH") else "Vector"]
+
+    def math(self, operation: str, *operands: object) -> Socket:
+        node = self.node("ShaderNodeMath", operation=operation)
+        for operand, target in zip(operands, node.inputs):
+            self.put(operand, target)
+        return node.outputs[0]
+
+    def components(self, vector: Socket) -> list[Socket]:
+        node = self.node("ShaderNodeSeparateXYZ")
+        self.put(vector, node.inputs[0])
+        return list(node.outputs)
+
+    def combined(self, *values: object) -> Socket:
+        node = self.node("ShaderNodeCombineXYZ")
+        for value, target in zip(values, node.inputs):
+            self.put(value, target)
+        return node.outputs[0]
+
+
+class GeometryNodes(Nodes):
+    """The same of geometry nodes."""
+
+    def link(self, output: Socket, node: bpy.types.Node, name: str) -> None:
+        self.group.links.new(output, compat.socket(node.inputs, name))
 
     # --- values
     def index(self) -> Socket:
@@ -68,30 +100,6 @@ class GeometryNodes:
         self.link(value, node, "Value")
         self.put(index, compat.socket(node.inputs, "Index"))
         return compat.socket(node.outputs, "Value")
-
-    def vector(self, operation: str, *operands: object) -> Socket:
-        node = self.node("ShaderNodeVectorMath", operation=operation)
-        targets = [node.inputs[0], node.inputs["Scale"]] if operation == "SCALE" else node.inputs
-        for operand, target in zip(operands, targets):
-            self.put(operand, target)
-        return node.outputs["Value" if operation == "DOT_PRODUCT" else "Vector"]
-
-    def math(self, operation: str, *operands: object) -> Socket:
-        node = self.node("ShaderNodeMath", operation=operation)
-        for operand, target in zip(operands, node.inputs):
-            self.put(operand, target)
-        return node.outputs[0]
-
-    def components(self, vector: Socket) -> list[Socket]:
-        node = self.node("ShaderNodeSeparateXYZ")
-        self.group.links.new(vector, node.inputs[0])
-        return list(node.outputs)
-
-    def combined(self, *values: object) -> Socket:
-        node = self.node("ShaderNodeCombineXYZ")
-        for value, target in zip(values, node.inputs):
-            self.put(value, target)
-        return node.outputs[0]
 
     def sample(self, geometry: Socket, index: Socket) -> Socket:
         """Position of the point `index` of a geometry."""

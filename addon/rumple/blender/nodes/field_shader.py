@@ -12,7 +12,6 @@ Input "Normal": what other nodes made of the normal, or nothing. "Parallax": how
 """
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any
 
 import bpy
@@ -20,7 +19,7 @@ import numpy as np
 
 from ...core import wrinkle_field
 from .. import compat
-from . import field_profile
+from . import builder, field_profile
 
 NAME = "Rumple Field"
 VERSION = 2  # raise it when the nodes change: groups in older files are then rebuilt in place
@@ -64,53 +63,18 @@ def _rebuild(group: bpy.types.NodeTree, profile: Any) -> None:
     _Builder(group).build(profile.height, profile.slope)
 
 
-@dataclass
-class _Builder:
-    """Adds nodes from left to right; every method returns the output socket of what it added."""
+class _Builder(builder.Nodes):
+    """The nodes of the group."""
 
-    group: bpy.types.NodeTree
-    column: int = 0
-
-    def node(self, kind: str, **properties: object) -> bpy.types.Node:
-        node = self.group.nodes.new(kind)
-        for name, value in properties.items():
-            setattr(node, name, value)
-        node.location = (200.0 * (self.column // 6), -180.0 * (self.column % 6))
-        self.column += 1
-        return node
-
-    def feed(self, target: bpy.types.NodeSocket, value: object) -> None:
-        if isinstance(value, bpy.types.NodeSocket):
-            self.group.links.new(value, target)
-        else:
-            target.default_value = value
+    WIDTH, HEIGHT = 200.0, 180.0
 
     def attribute(self, name: str) -> bpy.types.NodeSocket:
         return self.node("ShaderNodeAttribute", attribute_name=name).outputs["Vector"]
 
-    def vector(self, operation: str, *operands: object) -> bpy.types.NodeSocket:
-        """Operands: sockets or three numbers; the second of SCALE is a number."""
-        node = self.node("ShaderNodeVectorMath", operation=operation)
-        targets = [node.inputs[0], node.inputs["Scale"]] if operation == "SCALE" else node.inputs
-        for target, operand in zip(targets, operands):
-            self.feed(target, operand)
-        return node.outputs["Value" if operation in ("DOT_PRODUCT", "LENGTH") else "Vector"]
-
-    def math(self, operation: str, *operands: object) -> bpy.types.NodeSocket:
-        node = self.node("ShaderNodeMath", operation=operation)
-        for target, operand in zip(node.inputs, operands):
-            self.feed(target, operand)
-        return node.outputs[0]
-
-    def components(self, vector: bpy.types.NodeSocket) -> list[bpy.types.NodeSocket]:
-        node = self.node("ShaderNodeSeparateXYZ")
-        self.feed(node.inputs[0], vector)
-        return list(node.outputs)
-
     def transform(self, vector: bpy.types.NodeSocket, kind: str, into: str) -> bpy.types.NodeSocket:
         node = self.node("ShaderNodeVectorTransform", vector_type=kind, convert_to=into,
                          convert_from="WORLD" if into == "OBJECT" else "OBJECT")
-        self.feed(node.inputs[0], vector)
+        self.put(vector, node.inputs[0])
         return node.outputs[0]
 
     def table(self, places: bpy.types.NodeSocket, values: np.ndarray) -> bpy.types.NodeSocket:
@@ -123,7 +87,7 @@ class _Builder:
             for point, x, y in zip(curve.points, np.linspace(0.0, 1.0, len(values)), values):
                 point.location, point.handle_type = (float(x), float(y)), "VECTOR"
         node.mapping.update()
-        self.feed(node.inputs["Vector"], places)
+        self.put(places, node.inputs["Vector"])
         return node.outputs[0]
 
     def object_normal(self, given: bpy.types.NodeSocket, geometry: bpy.types.Node) -> bpy.types.NodeSocket:
@@ -155,10 +119,8 @@ class _Builder:
         along = self.vector("SUBTRACT", viewer, self.vector("SCALE", normal, facing))
         softened = self.math("DIVIDE", facing, self.math("MULTIPLY_ADD", facing, facing, HORIZON))
         shift = self.vector("SCALE", along, self.math("MULTIPLY", self.math("MULTIPLY", softened, height), share))
-        node = self.node("ShaderNodeCombineXYZ")
-        for axis, name in enumerate((wrinkle_field.U_GRADIENT, wrinkle_field.V_GRADIENT)):
-            self.feed(node.inputs[axis], self.vector("DOT_PRODUCT", self.attribute(name), shift))
-        return node.outputs[0]
+        return self.combined(*(self.vector("DOT_PRODUCT", self.attribute(name), shift)
+                               for name in (wrinkle_field.U_GRADIENT, wrinkle_field.V_GRADIENT)))
 
     def build(self, height_table: np.ndarray, slope_table: np.ndarray) -> None:
         inputs, geometry = self.node("NodeGroupInput").outputs, self.node("ShaderNodeNewGeometry")
@@ -175,9 +137,9 @@ class _Builder:
         tilted = self.vector("SUBTRACT", normal, self.gradient(self.vector("MULTIPLY", weights, slopes)))
         moved = self.parallax(normal, height, geometry, inputs["Parallax"])
         output = self.node("NodeGroupOutput")
-        self.feed(output.inputs["Height"], height)
-        self.feed(output.inputs["Normal"], self.vector("NORMALIZE", self.transform(tilted, "NORMAL", "WORLD")))
-        self.feed(output.inputs["UV"], self.vector("ADD", self.node("ShaderNodeUVMap").outputs[0], moved))
+        self.put(height, output.inputs["Height"])
+        self.put(self.vector("NORMALIZE", self.transform(tilted, "NORMAL", "WORLD")), output.inputs["Normal"])
+        self.put(self.vector("ADD", self.node("ShaderNodeUVMap").outputs[0], moved), output.inputs["UV"])
 
 
 # ---------------------------------------------------------------- materials

@@ -8,7 +8,6 @@ shaders/shared/wrinkle_maps.glsl). The masks come as point attributes, three pos
 """
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Iterator, Sequence
 
 import bpy
@@ -16,6 +15,7 @@ import bpy
 from ...core.engine import UserError
 from ...core.poses import PACKED
 from .. import compat
+from . import builder
 
 NAME = "Rumple Maps"
 KEY = "rumple_maps"  # custom property of our node groups, and of the Normal Map nodes that insert() had to make
@@ -50,49 +50,11 @@ def fill(group: bpy.types.NodeTree, images: Sequence[bpy.types.Image | None], ma
     _Builder(group).build(images, maps, uv_map)
 
 
-@dataclass
-class _Builder:
-    """Adds nodes from left to right; every method returns the output socket of what it added."""
+class _Builder(builder.Nodes):
+    """The nodes of the group."""
 
-    group: bpy.types.NodeTree
-    count: int = 0
-
-    def node(self, kind: str, **properties: object) -> bpy.types.Node:
-        node = self.group.nodes.new(kind)
-        for name, value in properties.items():
-            setattr(node, name, value)
-        node.location = (200.0 * (self.count // 5), -300.0 * (self.count % 5))
-        self.count += 1
-        return node
-
-    def put(self, value: object, target: bpy.types.NodeSocket) -> None:
-        if isinstance(value, bpy.types.NodeSocket):
-            self.group.links.new(value, target)
-        else:
-            target.default_value = value
-
-    def math(self, operation: str, *values: object) -> bpy.types.NodeSocket:
-        node = self.node("ShaderNodeMath", operation=operation)
-        for value, target in zip(values, node.inputs):
-            self.put(value, target)
-        return node.outputs[0]
-
-    def vector(self, operation: str, *values: object) -> bpy.types.NodeSocket:
-        node = self.node("ShaderNodeVectorMath", operation=operation)
-        for value, target in zip(values, node.inputs):
-            self.put(value, target)
-        return node.outputs["Vector"]
-
-    def combined(self, *values: object) -> bpy.types.NodeSocket:
-        node = self.node("ShaderNodeCombineXYZ")
-        for value, target in zip(values, node.inputs):
-            self.put(value, target)
-        return node.outputs[0]
-
-    def components(self, vector: bpy.types.NodeSocket) -> list[bpy.types.NodeSocket]:
-        node = self.node("ShaderNodeSeparateXYZ")
-        self.put(vector, node.inputs[0])
-        return list(node.outputs)
+    ROWS = 5
+    WIDTH, HEIGHT = 200.0, 300.0
 
     def decoded(self, color: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
         return self.vector("MULTIPLY_ADD", color, (2.0,) * 3, (-1.0,) * 3)
