@@ -71,13 +71,13 @@ class ByHand:
         if folds is not None:
             left[folds.rows] = depths * folds.left
         lost = np.flatnonzero(left < 1.0)
-        ways = np.zeros_like(result.positions)
-        ways[lost] = (left[lost, None] - np.float32(1.0)) * result.offset[lost]
+        displacements = np.zeros_like(result.positions)
+        displacements[lost] = (left[lost, None] - np.float32(1.0)) * result.offset[lost]
         rows = lost
         if folds is not None:
-            ways[folds.rows] += depths[:, None] * folds.ways(result.positions + ways)
+            displacements[folds.rows] += depths[:, None] * folds.displacements(result.positions + displacements)
             rows = np.union1d(lost, folds.rows)
-        move(result, rows, ways[rows], shown, base)
+        move(result, rows, displacements[rows], shown, base)
         for name in heights:
             result.attributes[name] = result.attributes[name] * left
 

@@ -233,7 +233,7 @@ class GuidedFolds(_AtRest):
         self._at_row = np.searchsorted(used, self._place[self.rows])
         self._heights = self._heights.astype(np.float32)
 
-    def ways(self, positions: np.ndarray) -> np.ndarray:
+    def displacements(self, positions: np.ndarray) -> np.ndarray:
         """(rows, 3) from the shown mesh without them. positions: (d, 3)."""
         return self._heights[:, None] * _normals(positions, self._corner, self._at_corner, self._places)[self._at_row]
 

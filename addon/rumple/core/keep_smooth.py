@@ -18,13 +18,13 @@ def share_of_folds(smooth: np.ndarray) -> np.ndarray:
     return np.float32(1.0) - np.clip(np.nan_to_num(smooth, nan=0.0), 0.0, 1.0).astype(np.float32)
 
 
-def move(result: FrameResult, rows: np.ndarray, ways: np.ndarray, shown: Any, base: np.ndarray) -> None:
-    """Move some vertices of a result, with all that says where they are. ways: (rows, 3) object space. base: (n, 3)
-    positions that the mesh is embedded in."""
+def move(result: FrameResult, rows: np.ndarray, displacements: np.ndarray, shown: Any, base: np.ndarray) -> None:
+    """Move some vertices of a result, with all that says where they are. displacements: (rows, 3) object space.
+    base: (n, 3) positions that the mesh is embedded in."""
     frames = frames_of(base, shown.triangle_vertex[rows])
-    result.positions = _plus(result.positions, rows, ways)
-    result.attributes["rumple_offset"] = _plus(result.offset, rows, ways)
-    result.local_offset = _plus(result.local_offset, rows, rowwise(frames, ways))
+    result.positions = _plus(result.positions, rows, displacements)
+    result.attributes["rumple_offset"] = _plus(result.offset, rows, displacements)
+    result.local_offset = _plus(result.local_offset, rows, rowwise(frames, displacements))
 
 
 def left_on_shown(smooth: np.ndarray, shown: Any) -> np.ndarray:

@@ -116,16 +116,16 @@ class PaintedRigid:
         if on.from_base is not None:
             points = points + columnwise(frames_of(animated, on.corners), on.from_base)
         motions = self._motions(animated, over, result, on)
-        at, ways = result.positions[on.rows], np.zeros_like(points)
+        at, displacements = result.positions[on.rows], np.zeros_like(points)
         for k in range(3):
             moved = points
             if motions is not None:
                 motion = motions[np.maximum(on.patch[:, k], 0)]
                 moved = rowwise(motion[:, :3], points) + motion[:, 3]
-            ways += on.shares[:, k] * (moved - at)
+            displacements += on.shares[:, k] * (moved - at)
         offset = np.array(result.offset)
         offset[on.rows] *= (np.float32(1.0) - on.share)[:, None]
-        move(result, on.rows, ways, mesh.shown, animated)
+        move(result, on.rows, displacements, mesh.shown, animated)
         result.attributes["rumple_offset"] = offset
         for name in heights:
             values = np.array(result.attributes[name])

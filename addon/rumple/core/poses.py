@@ -246,15 +246,15 @@ class PoseComparison:
         return _joined(self.rig.neutral, self.rig.neutral_keys)
 
     def slopes(self) -> np.ndarray:
-        """(o, b + m, 6): slope . (places - neutral), clamped to 0..1, is the influence: way / |way|^2 of what is
-        tracked."""
-        ways = np.array([_joined(pose.bones, pose.keys) for pose in self.rig.poses], float) - self.neutral()
+        """(o, b + m, 6): slope . (places - neutral), clamped to 0..1, is the influence: displacement /
+        |displacement|^2 of what is tracked."""
+        displacements = np.array([_joined(pose.bones, pose.keys) for pose in self.rig.poses], float) - self.neutral()
         for number, tracked in enumerate(_tracked(self.rig)):
             if tracked != "BOTH":
-                ways[:, number, _UNTRACKED[tracked]] = 0.0
-        squares = (ways * ways).sum(2, keepdims=True)
+                displacements[:, number, _UNTRACKED[tracked]] = 0.0
+        squares = (displacements * displacements).sum(2, keepdims=True)
         moving = self.moves.T[:, :, None]
-        return np.divide(ways, squares, out=np.zeros_like(ways), where=moving).astype(np.float32)
+        return np.divide(displacements, squares, out=np.zeros_like(displacements), where=moving).astype(np.float32)
 
     def shares(self) -> np.ndarray:
         """(o, b + m): of the sum over an element's group, to be the mean over those that move; 1 for one on its own."""

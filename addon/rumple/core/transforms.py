@@ -113,9 +113,9 @@ def scale_of(affine: np.ndarray) -> float | None:
 
 def redirected(affine: np.ndarray, vectors: np.ndarray) -> np.ndarray:
     """(n, 3) of (n, 3): as long as they were, turned as an affine map (3, 4) turns them."""
-    ways = turned(affine[:, :3], vectors)
-    lengths = np.sqrt((ways**2).sum(axis=1, keepdims=True))
-    return ways * np.sqrt((vectors**2).sum(axis=1, keepdims=True)) / np.where(lengths > 0.0, lengths, 1.0)
+    directions = turned(affine[:, :3], vectors)
+    lengths = np.sqrt((directions**2).sum(axis=1, keepdims=True))
+    return directions * np.sqrt((vectors**2).sum(axis=1, keepdims=True)) / np.where(lengths > 0.0, lengths, 1.0)
 
 
 def _least_squares(before: np.ndarray, after: np.ndarray) -> np.ndarray:

@@ -130,9 +130,9 @@ def write_result(mesh: bpy.types.Mesh, result: FrameResult, attributes: tuple[At
     mesh.update()
 
 
-def write_proxy(mesh: bpy.types.Mesh, ways: np.ndarray | None) -> None:
-    """What viewports show in place of the fine mesh: the coarse vertices moved by (n, 3) ways. None: the fine mesh."""
-    uses_proxy = ways is not None
+def write_proxy(mesh: bpy.types.Mesh, displacements: np.ndarray | None) -> None:
+    """What viewports show in place of the fine mesh: the coarse vertices moved by (n, 3). None: the fine mesh."""
+    uses_proxy = displacements is not None
     known = mesh.attributes.get(wrinkle_tree.SHOWS_PROXY)
     if known is None and not uses_proxy:
         return
@@ -141,7 +141,7 @@ def write_proxy(mesh: bpy.types.Mesh, ways: np.ndarray | None) -> None:
                                np.full(len(mesh.vertices), uses_proxy, np.int32))
     if uses_proxy:
         padded = np.zeros((len(mesh.vertices), 3), np.float32)  # the fine mesh has at least as many vertices
-        padded[:len(ways)] = ways
+        padded[:len(displacements)] = displacements
         compat.write_attribute(mesh, wrinkle_tree.PROXY_OFFSET, "FLOAT_VECTOR", "POINT", padded)
     mesh.update()
 
