@@ -47,7 +47,8 @@ std::vector<Paint> paint_of(const Layers& model, const rumple_wrinkle_layers_pai
     for (size_t k = 0; k < strength.size(); ++k) {
         if (!strength[k]) continue;
         const size_t vertices = size_t(model.base.display.vertex_count);
-        scale(layers[k].radius, carry_paint(model, values(strength[k], vertices, "strength"))[k]);
+        scale(layers[k].radius,
+              carry_paint(model, painted(strength[k], vertices, model.base, "strength"))[k]);
     }
     return layers;
 }

@@ -285,6 +285,25 @@ TEST(ApiLimits, PaintAndGapsAreNumbersInTheirRange) {
     }
 }
 
+// What is painted for one layer was taken as it came: with what is no number a vertex had no radius that
+// bounds it.
+TEST(ApiLimits, PaintOfOneLayerIsInItsRange) {
+    const Sheet sheet;
+    const rumple_wrinkle_layers_plan plan = rumple_wrinkle_layers_plan_default();
+    rumple_wrinkle_layers* built = nullptr;
+    ASSERT_EQ(rumple_wrinkle_layers_build(sheet.surface(), &plan, &built), RUMPLE_OK) << rumple_error();
+    const auto model = owned(built, rumple_wrinkle_layers_free);
+    for (const float bad : {kNone, -0.1f, 1.5f}) {
+        const float values[] = {1.0f, 1.0f, 1.0f, bad};
+        const float* const strength[] = {nullptr, values, nullptr};
+        rumple_wrinkle_layers_painted painted{};
+        painted.strength = strength;
+        painted.strength_count = 3;
+        rumple_wrinkle_layers_paint* paint = nullptr;
+        expect_refused(rumple_wrinkle_layers_paint_build(built, &painted, &paint), "strength: number 3: ");
+    }
+}
+
 TEST(ApiLimits, AMatrixWithoutAnInverseIsRefused) {
     const Sheet sheet;
     rumple_wrinkle_mesh_settings settings = rumple_wrinkle_mesh_settings_default();

@@ -47,7 +47,7 @@ RUMPLE_API rumple_status rumple_wrinkle_layers_get_layer(const rumple_wrinkle_la
 // Painted factors of the base's vertices, as those of a Wrinkle Mesh, for all layers; and for single ones.
 typedef struct rumple_wrinkle_layers_painted {
     rumple_wrinkle_mesh_painted all;
-    const float* const* strength;  // (layers): for each one (n), r x value, or NULL; or none
+    const float* const* strength;  // (layers): for each one (n), 0..1, r x value, or NULL; or none
     size_t strength_count;
 } rumple_wrinkle_layers_painted;
 typedef struct rumple_wrinkle_layers_paint rumple_wrinkle_layers_paint;

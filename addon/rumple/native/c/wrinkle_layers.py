@@ -49,7 +49,7 @@ class WrinkleLayersPainted(Struct):
 
     __slots__ = ()
     all: WrinkleMeshPainted
-    strength: int | None  # (layers): for each one (n), r x value, or NULL; or none
+    strength: int | None  # (layers): for each one (n), 0..1, r x value, or NULL; or none
     strength_count: int
     _fields_ = (("all", WrinkleMeshPainted), ("strength", c_void_p), ("strength_count", c_size_t),)
 
