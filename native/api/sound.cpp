@@ -118,10 +118,7 @@ void refuse_unsound() {
 }
 
 void expect_range(const std::string& name, Floats values, double low, double high) {
-    for (size_t i = 0; i < values.size(); ++i) {
-        if (!(values[i] >= low && values[i] <= high))
-            expect_within(name + ": number " + std::to_string(i), values[i], low, high);
-    }
+    expect_each_within(name, values, low, high, "number");
 }
 
 void expect_numbers(const std::string& name, Floats values) {
