@@ -27,6 +27,11 @@ inline double squared_distance(const Bounds& box, const glm::dvec3& p) {
     return glm::dot(outside, outside);
 }
 
+// 0, 1 or 2; of equal ones the first.
+inline int longest_axis(const Vec3& extent) {
+    return extent.x >= extent.y && extent.x >= extent.z ? 0 : extent.y >= extent.z ? 1 : 2;
+}
+
 // Unit of the positions; 0 for none.
 inline double bounding_diagonal(std::span<const Vec3> positions) {
     Bounds box;

@@ -5,6 +5,8 @@
 #include <limits>
 #include <numeric>
 
+#include "surface/query/bounds.h"
+
 namespace rumple {
 namespace {
 
@@ -30,8 +32,7 @@ void split(Index node, Index begin, Index end, std::span<const Vec3> centres, Hi
         low = glm::min(low, centres[out.order[i]]);
         high = glm::max(high, centres[out.order[i]]);
     }
-    const Vec3 extent = high - low;
-    const int axis = extent.x >= extent.y && extent.x >= extent.z ? 0 : extent.y >= extent.z ? 1 : 2;
+    const int axis = longest_axis(high - low);
     const Index middle = begin + left_of(end - begin);
     std::nth_element(out.order.begin() + begin, out.order.begin() + middle, out.order.begin() + end,
                      [&](Index s, Index t) {

@@ -12,6 +12,7 @@
 #include "base/stop.h"
 #include "base/tolerances.h"
 #include "surface/mesh/border_rings.h"
+#include "surface/query/bounds.h"
 #include "systems/wrinkle_mesh/pose.h"
 #include "systems/wrinkle_mesh/wrinkle_mesh.h"
 
@@ -96,8 +97,7 @@ std::vector<Index> rows_along_longest_axis(std::span<const Vec3> points) {
         low = glm::min(low, p);
         high = glm::max(high, p);
     }
-    const Vec3 extent = high - low;
-    const int axis = extent.x >= extent.y && extent.x >= extent.z ? 0 : extent.y >= extent.z ? 1 : 2;
+    const int axis = longest_axis(high - low);
     std::vector<Index> vertex(points.size());
     std::iota(vertex.begin(), vertex.end(), 0);
     std::ranges::stable_sort(vertex, {}, [&](Index v) { return points[size_t(v)][axis]; });
