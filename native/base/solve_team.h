@@ -12,6 +12,9 @@
 
 namespace rumple {
 
+// That a size asks for: more wait for one another, and for memory.
+inline constexpr int kMostThreads = 8;
+
 // The team of a solve. While it lives, for_each_part() shares out what the thread that made it does, however
 // deep in calls.
 class SolveTeam {
@@ -39,7 +42,6 @@ class SolveTeam {
     }
 
   private:
-    static constexpr int kMostThreads = 8;
     static inline thread_local SolveTeam* current_ = nullptr;
 
     std::optional<Team> team_;  // none inside of another one

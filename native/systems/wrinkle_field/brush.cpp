@@ -5,12 +5,10 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
-#include <glm/gtc/noise.hpp>
 #include <utility>
 
 #include "base/elementary.h"
 #include "base/expect.h"
-#include "base/random.h"
 #include "base/smooth_step.h"
 #include "surface/refine/triangle_tree.h"
 #include "systems/wrinkle_field/frames.h"
@@ -206,14 +204,8 @@ float mean_edge(const Model& model, std::span<const Vec3> positions, size_t v) {
     return begin == end ? 0.0f : sum / static_cast<float>(end - begin);
 }
 
-// Three smooth functions of the place, -1..1, that know nothing of one another.
 Vec3 noise3(const Vec3& place, std::uint32_t seed) {
-    Vec3 out;
-    for (std::uint32_t i = 0; i < 3; ++i) {
-        const Vec3 elsewhere(noise(seed, 3 * i), noise(seed, 3 * i + 1), noise(seed, 3 * i + 2));
-        out[static_cast<int>(i)] = glm::simplex(place + 100.0f * elsewhere);
-    }
-    return out;
+    return {smooth_noise(place, seed, 0), smooth_noise(place, seed, 1), smooth_noise(place, seed, 2)};
 }
 
 // The value that this share of all values lies above.

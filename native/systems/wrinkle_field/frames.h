@@ -3,9 +3,10 @@
 #pragma once
 
 #include <algorithm>
+#include <glm/gtc/noise.hpp>
 #include <optional>
-#include <thread>
 
+#include "base/random.h"
 #include "base/solve_team.h"
 #include "systems/wrinkle_field/wrinkle_field.h"
 
@@ -35,6 +36,12 @@ inline Vec2 in_rest_frame(const Model& model, size_t v, const Vec3& way) {
     return {glm::dot(model.tangent_rest[v], way), glm::dot(model.bitangent_rest[v], way)};
 }
 
+// A smooth function of the place, -1..1. which: of those of a seed, which know nothing of one another.
+inline float smooth_noise(const Vec3& place, std::uint32_t seed, std::uint32_t which) {
+    const Vec3 elsewhere(noise(seed, 3 * which), noise(seed, 3 * which + 1), noise(seed, 3 * which + 2));
+    return glm::simplex(place + 100.0f * elsewhere);
+}
+
 // What an estimate of a wave becomes where waves are to run along a line of the rest frame: it has the
 // largest compression that there is, across that line. Its length over the rest pose stays W.
 // m, q, before, turn, threshold: as formulas::estimate_wave() takes them. gather: Waves::gather of it.
@@ -43,7 +50,6 @@ void turn_along(const Vec2& along, const glm::mat2& m, const Vec2& q, const Vec2
 
 // Below this many vertices threads are not worth it: a round takes some hundred microseconds alone.
 inline constexpr size_t kVerticesForThreads = 50'000;
-inline constexpr int kMostThreads = 8;
 
 inline int threads_for(const Settings& settings, size_t vertices) {
     return choose_threads(settings.threads, vertices, kVerticesForThreads, kMostThreads);

@@ -4,14 +4,12 @@
 #include <cassert>
 #include <cmath>
 #include <complex>
-#include <glm/gtc/noise.hpp>
 #include <limits>
 #include <utility>
 
 #include "base/elementary.h"
 #include "base/expect.h"
 #include "base/parallel.h"
-#include "base/random.h"
 #include "base/tolerances.h"
 #include "systems/wrinkle_field/frames.h"
 #include "systems/wrinkle_field/wrinkle_field.h"
@@ -64,9 +62,7 @@ Disturbance disturb(const Settings& settings, const Vec3& rest) {
     if (settings.irregularity <= 0.0f) return {};
     const Vec3 place = rest / (kIrregularityScale * settings.wavelength);
     const auto noise_at = [&](std::uint32_t which) {
-        const Vec3 elsewhere(noise(settings.seed, 3 * which), noise(settings.seed, 3 * which + 1),
-                             noise(settings.seed, 3 * which + 2));
-        return settings.irregularity * glm::simplex(place + 100.0f * elsewhere);
+        return settings.irregularity * smooth_noise(place, settings.seed, which);
     };
     const float angle = kMostTurn * noise_at(0);
     return {{elementary::cos(angle), elementary::sin(angle)}, 1.0f + kMostWavelengthChange * noise_at(1)};
