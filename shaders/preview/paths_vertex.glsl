@@ -3,7 +3,7 @@
 //   spot       which of the patches from `first_patch` on, steps of 1 / parts towards corners 1 and 2
 //   patches    two texels each: triangle, its first range and the end of its ranges; parts of its edges
 //   triangles  welded vertices
-//   flats      welded vertices, w: factor on folds;  smooths, normals: Drawing of wrinkle_paths_preview.h
+//   flats      welded vertices, w: factor on folds;  smooths, normals: Drawing of native/systems/wrinkle_paths/preview.h
 //   uvs        three a triangle
 
 // Weights of the corners. On an edge that has fewer parts than the triangle the nearest of its points.

@@ -101,8 +101,8 @@ Measures extent(const Rig& rig) {
 std::vector<double> displacements(const Rig& rig, std::span<const Bone> from, std::span<const Bone> to) {
     std::vector<double> lengths(from.size());
     for (size_t i = 0; i < from.size(); ++i) {
-        const Point in_pose = tracked_point(to[i], rig.tracked[i]) - tracked_point(from[i], rig.tracked[i]);
-        lengths[i] = std::sqrt(dot(in_pose, in_pose));
+        const Point apart = tracked_point(to[i], rig.tracked[i]) - tracked_point(from[i], rig.tracked[i]);
+        lengths[i] = std::sqrt(dot(apart, apart));
     }
     return lengths;
 }
