@@ -45,12 +45,11 @@ std::vector<Vec3> lifts_over(const Surface& surface, const CoverModel& model, co
     expect_count("hints", hints.size(), surface.display.vertex_count, "values");
     const size_t vertices = surface.welded.vertex_count, samples = model.samples.places.size();
     const SolveTeam team(0, samples, kLeastSearches);
-    std::vector<Vec3> at(vertices), normals(vertices), points(samples);
+    std::vector<Vec3> at = weld_positions(surface, positions), normals(vertices), points(samples);
     std::vector<float> lift(samples);
     std::vector<Vec3> lifts(positions.size(), Vec3(0.0f));
     // Of the pass before. Where nothing rose nothing is missing: the next pass leaves it out.
     std::vector<float> before(vertices, 1.0f);
-    weld_positions(surface, positions, at);
     for (int pass = 0; pass < kPasses; ++pass) {
         vertex_normals(surface, at, normals);
         attach(surface, model.samples, at, normals, points);

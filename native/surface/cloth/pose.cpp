@@ -174,9 +174,7 @@ Plane nearest_plane(const Model& model, const Pose& pose, const Vec3& p, Index& 
         }
     }
     triangle = best;
-    const Vec3 normal = mix(best, weights, pose.normal);
-    const float length = glm::length(normal);
-    return {mix(best, weights, pose.inner), length > kShortestNormal ? normal / length : Vec3(0.0f)};
+    return {mix(best, weights, pose.inner), direction_of_normals(mix(best, weights, pose.normal))};
 }
 
 // Of every vertex the plane that keeps it before a body in front: an arm beside a flank. The animated garment
@@ -291,10 +289,8 @@ Pose make_pose(const Model& model, const Settings& settings, const Paint& paint,
     const size_t vertices = surface.welded.vertex_count;
     const std::vector<float> room_factor = find_room_factors(model, paint);
     Pose pose;
-    pose.animated.resize(vertices);
-    weld_positions(surface, positions, pose.animated);
-    pose.normal.resize(vertices);
-    vertex_normals(surface, pose.animated, pose.normal);
+    pose.animated = weld_positions(surface, positions);
+    pose.normal = vertex_normals(surface, pose.animated);
     for (size_t v = 0; v < vertices; ++v) {
         const Index to = model.frame_to[v];
         pose.frame.push_back(to == kNone

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "base/tolerances.h"
 #include "surface/output/attachments.h"
 #include "surface/query/bounds.h"
 
@@ -49,13 +48,9 @@ void smooth(const Surface& surface, int passes, std::vector<Vec3>& values) {
 }  // namespace
 
 std::vector<Vec3> smooth_normals_at_rest(const Surface& surface) {
-    std::vector<Vec3> normals(surface.welded.vertex_count);
-    vertex_normals(surface, surface.positions_rest, normals);
+    std::vector<Vec3> normals = vertex_normals(surface, surface.positions_rest);
     smooth(surface, passes_for(surface), normals);
-    for (Vec3& n : normals) {
-        const float length = glm::length(n);
-        n = length > kShortestNormal ? n / length : Vec3(0.0f);
-    }
+    for (Vec3& n : normals) n = direction_of_normals(n);
     return normals;
 }
 

@@ -34,9 +34,7 @@ struct Acting {
 };
 
 std::vector<Vec3> welded(const Model& model, std::span<const Vec3> display) {
-    std::vector<Vec3> out(display.empty() ? 0 : model.area.size());
-    if (!display.empty()) weld_positions(model.surface, display, out);
-    return out;
+    return display.empty() ? std::vector<Vec3>() : weld_positions(model.surface, display);
 }
 
 Acting acting_on(const Model& model, const Swing& swing) {

@@ -48,4 +48,10 @@ void triangle_frames(const Surface& surface, std::span<const Vec3> positions,
     });
 }
 
+std::vector<TriangleFrame> triangle_frames(const Surface& surface, std::span<const Vec3> positions) {
+    std::vector<TriangleFrame> frames(surface.triangles.size());
+    triangle_frames(surface, positions, frames);
+    return frames;
+}
+
 }  // namespace rumple

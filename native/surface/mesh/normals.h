@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "base/tolerances.h"
 #include "surface/mesh/topology.h"
 
 namespace rumple {
@@ -14,6 +15,12 @@ namespace rumple {
 void vertex_normals(const Surface& surface, std::span<const Vec3> positions, std::span<Vec3> normals);
 
 std::vector<Vec3> vertex_normals(const Surface& surface, std::span<const Vec3> positions);
+
+// Of a sum of unit normals, or of their mean: unit, or zero where they cancel out.
+inline Vec3 direction_of_normals(const Vec3& sum) {
+    const float length = glm::length(sum);
+    return length > kShortestNormal ? sum / length : Vec3(0.0f);
+}
 
 // An orthonormal frame of a triangle: tangent along its first edge, normal to
 // its plane. A collapsed triangle has zero vectors (never NaN).
@@ -34,5 +41,6 @@ TriangleFrame triangle_frame(const Vec3& p0, const Vec3& p1, const Vec3& p2);
 // The frame of every triangle of the deformed base. Cost: O(triangles).
 void triangle_frames(const Surface& surface, std::span<const Vec3> positions,
                      std::span<TriangleFrame> frames);
+std::vector<TriangleFrame> triangle_frames(const Surface& surface, std::span<const Vec3> positions);
 
 }  // namespace rumple

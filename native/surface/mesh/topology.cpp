@@ -176,8 +176,7 @@ Surface build_surface(const SurfaceInput& input) {
     join_fans(surface);
     stop_if_asked();
 
-    surface.positions_rest.resize(surface.welded.vertex_count);
-    weld_positions(surface, input.positions_rest, surface.positions_rest);
+    surface.positions_rest = weld_positions(surface, input.positions_rest);
     copy_triangles(surface, input);
     keep_creases(surface, input.creases);
     mark_border(surface);
@@ -244,6 +243,12 @@ void weld_positions(const Surface& surface, std::span<const Vec3> display, std::
         ++count[surface.welded_of[v]];
     }
     for (std::size_t w = 0; w < welded.size(); ++w) welded[w] = Vec3(sum[w] / static_cast<double>(count[w]));
+}
+
+std::vector<Vec3> weld_positions(const Surface& surface, std::span<const Vec3> display) {
+    std::vector<Vec3> welded(surface.representative.size());
+    weld_positions(surface, display, welded);
+    return welded;
 }
 
 }  // namespace rumple

@@ -128,5 +128,6 @@ inline std::array<Index, 3> welded_vertices(const Surface& surface, Index triang
 // Deformed positions of the display vertices -> of the welded vertices: the mean
 // of those that were joined (equal ones give themselves to the bit).
 void weld_positions(const Surface& surface, std::span<const Vec3> display, std::span<Vec3> welded);
+std::vector<Vec3> weld_positions(const Surface& surface, std::span<const Vec3> display);
 
 }  // namespace rumple

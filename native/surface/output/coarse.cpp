@@ -146,8 +146,8 @@ float mean_edge(const Surface& surface) {
 // Moves vertices along their normals until the smooth surface runs through where they were. Along the surface
 // they stay: it need not pass a vertex just there, and small triangles would turn over.
 std::vector<Vec3> cage_around(const Surface& surface, const SparseRows& limit, std::span<const Vec3> wanted) {
-    std::vector<Vec3> cage(wanted.begin(), wanted.end()), normals(wanted.size()), at(wanted.size());
-    vertex_normals(surface, wanted, normals);
+    const std::vector<Vec3> normals = vertex_normals(surface, wanted);
+    std::vector<Vec3> cage(wanted.begin(), wanted.end()), at(wanted.size());
     for (int i = 0; i < kCorrections; ++i) {
         apply<Vec3>(limit, cage, at);
         for (size_t v = 0; v < at.size(); ++v) {
@@ -211,8 +211,8 @@ std::shared_ptr<const CoarseMesh> build_coarse(const Surface& dense, float spaci
 std::vector<Vec3> coarse_positions(const CoarseMesh& coarse, const Surface& dense,
                                    std::span<const Vec3> positions) {
     check_frame(dense, positions);  // also where no coarse vertex is
-    std::vector<Vec3> welded(dense.welded.vertex_count), wanted;
-    weld_positions(dense, positions, welded);
+    const std::vector<Vec3> welded = weld_positions(dense, positions);
+    std::vector<Vec3> wanted;
     for (const Index v : coarse.dense_vertex) wanted.push_back(welded[dense.welded_of[v]]);
     return cage_around(coarse.surface, coarse.limit, wanted);
 }

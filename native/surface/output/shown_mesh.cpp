@@ -248,11 +248,8 @@ ShownMesh show_triangles(const Surface& base) {
 void embed_frame(const Surface& base, const ShownMesh& mesh, std::span<const Vec3> positions,
                  ShownFrame& frame) {
     check_frame(base, positions);
-    std::vector<Vec3> welded(base.welded.vertex_count);
-    weld_positions(base, positions, welded);
-    std::vector<TriangleFrame> frames(base.triangles.size());
-    triangle_frames(base, welded, frames);
-    embed(base, mesh, welded, frames, frame);
+    const std::vector<Vec3> welded = weld_positions(base, positions);
+    embed(base, mesh, welded, triangle_frames(base, welded), frame);
 }
 
 void show_frame(const Surface& base, const ShownMesh& mesh, const StretchModel& stretch,

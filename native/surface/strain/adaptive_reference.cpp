@@ -79,8 +79,7 @@ Labels label_frame(const Surface& surface, const ReferenceModel& model, const Re
     costs.reserve(changes.size());
     for (const Stretch& change : changes) costs.push_back(label_costs(change));
     if (!frame_time.next_positions.empty()) {
-        std::vector<Vec3> next(pose.positions.size());
-        weld_positions(surface, frame_time.next_positions, next);
+        const std::vector<Vec3> next = weld_positions(surface, frame_time.next_positions);
         PastPoses past = past_of(model.net, settings, pose.positions.size(), state);
         past.add(frame_time.time, pose.positions);
         add_costs(past.before(frame_time.next_time), flat_triangles(model.net, next), costs);
@@ -272,8 +271,7 @@ Labels label_clip(const Surface& surface, const ReferenceModel& model, const Ref
         }
         const std::span<const Vec3> frame = positions.subspan(f * vertices, vertices);
         check_frame(surface, frame);
-        std::vector<Vec3> welded(size_t(surface.welded.vertex_count));
-        weld_positions(surface, frame, welded);
+        std::vector<Vec3> welded = weld_positions(surface, frame);
         if (f == 0) {
             costs.assign(model.rest.size(), label_costs({}));
         } else {

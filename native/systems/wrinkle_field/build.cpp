@@ -35,8 +35,7 @@ void collect_neighbours(Model& model) {
 // The rest frames of section 4.2 and the part of equation (1) that does not change.
 void regress_at_rest(Model& model) {
     const std::vector<Vec3>& rest = model.base.positions_rest;
-    std::vector<Vec3> normals(rest.size());
-    vertex_normals(model.base, rest, normals);
+    const std::vector<Vec3> normals = vertex_normals(model.base, rest);
     model.tangent_rest.assign(rest.size(), Vec3(0.0f));
     model.bitangent_rest = model.tangent_rest;
     for (size_t v = 0; v < rest.size(); ++v) {

@@ -8,10 +8,8 @@ namespace rumple::wrinkle_field {
 Pose weld_pose(const Model& model, std::span<const Vec3> positions) {
     check_frame(model.base, positions);
     Pose pose;
-    pose.positions.resize(model.base.positions_rest.size());
-    pose.normals.resize(model.base.positions_rest.size());
-    weld_positions(model.base, positions, pose.positions);
-    vertex_normals(model.base, pose.positions, pose.normals);
+    pose.positions = weld_positions(model.base, positions);
+    pose.normals = vertex_normals(model.base, pose.positions);
     return pose;
 }
 

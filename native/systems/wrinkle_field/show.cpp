@@ -124,9 +124,8 @@ void displace(const Model& model, const Waves& waves, const Profile& profile, st
         offset[v] = std::max(at.height, -inwards[v]) / length * normal;
         positions[v] += offset[v];
     }
-    std::vector<TriangleFrame> frames(model.base.triangles.size());
-    triangle_frames(model.base, waves.positions, frames);
-    show_frame(model.base, model.shown, model.stretch, waves.positions, frames, positions, offset, picture);
+    show_frame(model.base, model.shown, model.stretch, waves.positions,
+               triangle_frames(model.base, waves.positions), positions, offset, picture);
 }
 
 // Amplitude, direction and phase of the wave that counts most at every shown vertex.

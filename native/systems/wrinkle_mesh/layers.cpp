@@ -32,9 +32,8 @@ void add(std::span<Vec3> positions, std::span<const Vec3> displacements) {
 
 // Where a layer has its vertices, without folds of its own, over positions of the base or of the layer below.
 std::vector<Vec3> attached_over(const Model& layer, std::span<const Vec3> below) {
-    std::vector<Vec3> welded(layer.base.welded.vertex_count), out(layer.attached.size());
-    weld_positions(layer.base, below, welded);
-    attach(layer.base, layer.attachments, welded, {}, out);
+    std::vector<Vec3> out(layer.attached.size());
+    attach(layer.base, layer.attachments, weld_positions(layer.base, below), {}, out);
     return out;
 }
 
@@ -53,8 +52,7 @@ struct BaseStrain {
     BaseStrain(const Layers& layers, std::span<const Vec3> positions, float radius, const GuideLines* guide) {
         const Surface& base = layers.base;
         if (radius <= 0.0f && !guide) return;
-        std::vector<Vec3> welded(base.welded.vertex_count);
-        weld_positions(base, positions, welded);
+        const std::vector<Vec3> welded = weld_positions(base, positions);
         std::vector<SpareCloth> of_welded = spare_cloth(base, layers.bent_lines, welded, radius);
         if (guide) {
             const std::vector<GuidedStrain> asked = guided_strain(*guide, welded);
@@ -378,11 +376,9 @@ void show(const Layers& layers, std::span<const Vec3> animated, std::span<const 
         add(subdivided_from, missed);
         add(offset, missed);
     }
-    std::vector<Vec3> base(layers.base.welded.vertex_count);
-    weld_positions(layers.base, positions, base);
-    std::vector<TriangleFrame> frames(layers.base.triangles.size());
-    triangle_frames(layers.base, base, frames);
-    show_frame(layers.base, shown, layers.stretch, base, frames, subdivided_from, offset, picture);
+    const std::vector<Vec3> base = weld_positions(layers.base, positions);
+    show_frame(layers.base, shown, layers.stretch, base, triangle_frames(layers.base, base), subdivided_from,
+               offset, picture);
     embed_frame(layers.base, shown, animated, picture);
 }
 

@@ -238,12 +238,9 @@ Pose make_pose(const Model& model, const Input& input) {
     check_frame(model.base, input.positions);
     const SolveTeam team = team_for(model, input.threads);
     Pose pose;
-    pose.base.resize(model.base.welded.vertex_count);
-    weld_positions(model.base, input.positions, pose.base);
-    pose.base_normals.resize(pose.base.size());
-    vertex_normals(model.base, pose.base, pose.base_normals);
-    pose.frames.resize(model.base.triangles.size());
-    triangle_frames(model.base, pose.base, pose.frames);
+    pose.base = weld_positions(model.base, input.positions);
+    pose.base_normals = vertex_normals(model.base, pose.base);
+    pose.frames = triangle_frames(model.base, pose.base);
     for (const TriangleFrame& frame : pose.frames) pose.collapsed += frame.normal == Vec3(0.0f);
     const size_t vertices = model.attached.size();
     pose.attachment.resize(vertices);
@@ -252,8 +249,7 @@ Pose make_pose(const Model& model, const Input& input) {
     for_each_index(vertices, kLeastSteps, [&](size_t v) {
         const SurfacePoint& place = model.attachments.places[v];
         const Vec3 normal = interpolate(model.base, place, pose.base_normals);
-        const float length = glm::length(normal);
-        pose.normal[v] = length > kShortestNormal ? normal / length : Vec3(0.0f);
+        pose.normal[v] = direction_of_normals(normal);
         if (!model.rest_offset.empty()) {
             pose.attachment[v] +=
                 smooth_frame(pose.frames[place.triangle], normal).to_object(model.rest_offset[v]);

@@ -60,17 +60,14 @@ void show(const Transfer& transfer, const CoarseMesh& coarse, const Layers& laye
         offsets(layers, coarse_positions(coarse, transfer.base, animated), state);
     const std::vector<Vec3> missed = missed_by_limit(layers, layers.layers.size() - 1, displacements);
     for (size_t v = 0; v < missed.size(); ++v) displacements[v] += missed[v];
-    std::vector<Vec3> base(transfer.base.welded.vertex_count);
-    weld_positions(transfer.base, animated, base);
+    const std::vector<Vec3> base = weld_positions(transfer.base, animated);
     const size_t moved = transfer.attachments.places.size();
     std::vector<Vec3> offset(moved), solved(moved);
     apply(transfer.from_finest, to_rows(displacements), offset);
     attach(transfer.base, transfer.attachments, base, {}, solved);
     for (size_t v = 0; v < moved; ++v) solved[v] += offset[v];
-    std::vector<TriangleFrame> frames(transfer.base.triangles.size());
-    triangle_frames(transfer.base, base, frames);
-    show_frame(transfer.base, shown_mesh(transfer, in_viewport), transfer.stretch, base, frames, solved,
-               offset, picture);
+    show_frame(transfer.base, shown_mesh(transfer, in_viewport), transfer.stretch, base,
+               triangle_frames(transfer.base, base), solved, offset, picture);
 }
 
 }  // namespace rumple::wrinkle_mesh

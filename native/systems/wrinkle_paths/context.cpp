@@ -13,15 +13,12 @@ namespace rumple::wrinkle_paths {
 
 Pose make_pose(const Model& model, std::span<const Vec3> positions) {
     check_frame(model.base, positions);
-    std::vector<Vec3> welded(size_t(model.base.welded.vertex_count));
-    weld_positions(model.base, positions, welded);
-    return make_welded_pose(model, std::move(welded));
+    return make_welded_pose(model, weld_positions(model.base, positions));
 }
 
 Pose make_welded_pose(const Model& model, std::vector<Vec3> welded) {
     Pose pose{flat_pose(model.net, std::move(welded)), {}, 0};
-    pose.frames.resize(model.rest.size());
-    triangle_frames(model.base, pose.positions, pose.frames);
+    pose.frames = triangle_frames(model.base, pose.positions);
     for (const FlatTriangle& shape : pose.shapes) pose.collapsed += !shape.has_area();
     return pose;
 }

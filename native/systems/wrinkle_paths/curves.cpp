@@ -49,8 +49,7 @@ struct SmoothBase {
     std::vector<Vec3> normals, vertices;
 
     SmoothBase(const Model& of, const Pose& at)
-        : model(of), pose(at), normals(at.positions.size()), vertices(at.positions) {
-        vertex_normals(model.base, pose.positions, normals);
+        : model(of), pose(at), normals(vertex_normals(of.base, at.positions)), vertices(at.positions) {
         if (model.attachments.kind == AttachmentKind::kLimit)
             apply<Vec3>(model.vertex_limit, pose.positions, vertices);
     }
@@ -66,9 +65,7 @@ struct SmoothBase {
         return pn_triangle(corner, normal, place.b0, place.b1);
     }
     Vec3 normal_at(const SurfacePoint& place) const {
-        const Vec3 normal = interpolate(model.base, place, normals);
-        const float size = glm::length(normal);
-        return size > kShortestNormal ? normal / size : Vec3(0.0f);
+        return direction_of_normals(interpolate(model.base, place, normals));
     }
 };
 

@@ -83,8 +83,7 @@ Drawing draw(const Model& model, const Settings& settings, const Input& input, c
     const size_t vertices = size_t(base.welded.vertex_count);
     drawing.flat = pose.positions;
     drawing.smooth = drawing.flat;
-    drawing.normal.resize(vertices);
-    vertex_normals(base, drawing.flat, drawing.normal);
+    drawing.normal = vertex_normals(base, drawing.flat);
     drawing.curved = model.attachments.kind != AttachmentKind::kLinear;
     if (model.attachments.kind == AttachmentKind::kLimit)
         apply<Vec3>(model.vertex_limit, drawing.flat, drawing.smooth);

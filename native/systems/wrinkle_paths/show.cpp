@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <thread>
 
 #include "base/expect.h"
 #include "base/solve_team.h"
@@ -176,8 +175,7 @@ Lifted lift(const PathContext& context, const Settings& settings, const Triangle
     const size_t vertices = model.attachments.places.size();
     Lifted out{std::vector<float>(vertices, 0.0f), std::vector<Vec3>(vertices, Vec3(0.0f)),
                std::vector<Vec3>(vertices)};
-    std::vector<Vec3> normals(base.size());
-    vertex_normals(model.base, base, normals);
+    const std::vector<Vec3> normals = vertex_normals(model.base, base);
     const std::vector<Ball> balls = balls_around(lists.ends);
     const SolveTeam team(settings.threads, vertices, kVerticesForThreads);
     for_each_part(model.rest.size(), kLeastSearches, [&](size_t begin, size_t end) {
@@ -192,11 +190,15 @@ Lifted lift(const PathContext& context, const Settings& settings, const Triangle
     return out;
 }
 
-void check_shown(const Model& model, const State& state) {
+// What the paths of a state stand on in a pose; checked.
+PathContext shown_context(const Model& model, const Settings& settings, const Pose& pose,
+                          const State& state) {
+    check(settings);
     expect_count("state.compression", state.compression.size(), model.rest.size(), "triangles");
     if (!state.width.empty()) expect_count("state.width", state.width.size(), model.rest.size(), "triangles");
     const std::string wrong = validate(model, state.paths);
     if (!wrong.empty()) throw InvalidInput("state.paths: " + wrong);
+    return {model, pose, {}, state.compression, {}, state.width};
 }
 
 }  // namespace
@@ -208,9 +210,7 @@ void show(const Model& model, const Settings& settings, const Input& input, cons
 
 void show(const Model& model, const Settings& settings, const Pose& pose, const State& state,
           Picture& picture) {
-    check(settings);
-    check_shown(model, state);
-    const PathContext context{model, pose, {}, state.compression, {}, state.width};
+    const PathContext context = shown_context(model, settings, pose, state);
     const Lifted lifted = lift(context, settings, build_triangle_lists(context, settings, state.paths));
     show_frame(model.base, model.shown, model.stretch, pose.positions, pose.frames, lifted.positions,
                lifted.offset, picture);
@@ -225,10 +225,7 @@ TriangleLists build_triangle_lists(const Model& model, const Settings& settings,
 
 TriangleLists build_triangle_lists(const Model& model, const Settings& settings, const Pose& pose,
                                    const State& state) {
-    check(settings);
-    check_shown(model, state);
-    const PathContext context{model, pose, {}, state.compression, {}, state.width};
-    return build_triangle_lists(context, settings, state.paths);
+    return build_triangle_lists(shown_context(model, settings, pose, state), settings, state.paths);
 }
 
 Curves curves(const Model& model, const Settings& settings, const Input& input, const State& state) {
@@ -236,9 +233,7 @@ Curves curves(const Model& model, const Settings& settings, const Input& input, 
 }
 
 Curves curves(const Model& model, const Settings& settings, const Pose& pose, const State& state) {
-    check(settings);
-    check_shown(model, state);
-    const PathContext context{model, pose, {}, state.compression, {}, state.width};
+    const PathContext context = shown_context(model, settings, pose, state);
     Curves out;
     for (const Path& path : state.paths) {
         const Fold fold = make_fold(context, settings, path);
