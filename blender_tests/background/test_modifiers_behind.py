@@ -3,6 +3,9 @@
 and no other garment notices."""
 from __future__ import annotations
 
+import contextlib
+import functools
+import io
 import os
 import tempfile
 import unittest
@@ -12,8 +15,8 @@ from unittest import mock
 import bpy
 import numpy as np
 from rumple.blender import compat
-from rumple.blender.objects import bodies, evaluator, runtimes, stack_notes, subdivision_behind
-from support import sleeve, small_renders
+from rumple.blender.objects import bodies, evaluator, modifier, runtimes, stack_notes, subdivision_behind
+from support import reference_solve, render_cases, sleeve, small_renders
 
 SETTINGS = {
     "MASK": dict(vertex_group="lower", threshold=0.5),
@@ -230,6 +233,88 @@ class SubdivisionOfTriangles(unittest.TestCase):
         with self.assertRaisesRegex(RuntimeError, "vertices"):
             bpy.ops.object.rumple_add(method="MESH")
         self.assertTrue(self.behind.use_limit_surface)
+
+
+class Linked(unittest.TestCase):
+    """A garment of another file, without a library override."""
+
+    def setUp(self) -> None:
+        folder = self.enterContext(tempfile.TemporaryDirectory())
+        self.library, self.shot = (os.path.join(folder, name) for name in ("library.blend", "shot.blend"))
+
+    def linked(self) -> bpy.types.Object:
+        """What is in the file, in a new one."""
+        sleeve.at(1)
+        bpy.ops.wm.save_as_mainfile(filepath=self.library)
+        sleeve.empty_file()
+        with bpy.data.libraries.load(self.library, link=True) as (_, wanted):
+            wanted.objects = ["Sleeve"]
+        bpy.context.scene.collection.objects.link(wanted.objects[0])
+        return wanted.objects[0]
+
+    def seen(self, obj: bpy.types.Object) -> list[Any]:
+        """Played, and reached by jumps."""
+        found = []
+        for frame in (*range(1, 8), 12, 3):
+            sleeve.at(frame)
+            found.append((runtimes.of(obj).result.positions.copy(), sleeve.shown(obj)))
+        self.assertEqual(runtimes.message(obj), "")
+        return found
+
+    def test_it_is_solved_and_shown_as_in_its_own_file(self) -> None:
+        for prepare in (*(functools.partial(put_behind, kind=kind) for kind in SETTINGS), delete_first_points):
+            with self.subTest(prepare):
+                obj = sleeve.scene()
+                prepare(obj)
+                expected = self.seen(obj)
+                found = self.seen(self.linked())
+                bpy.ops.wm.save_as_mainfile(filepath=self.shot)
+                bpy.ops.wm.open_mainfile(filepath=self.shot)
+                for again in (found, self.seen(bpy.data.objects["Sleeve"])):
+                    for (solved, shown), (own_solved, own_shown) in zip(again, expected):
+                        np.testing.assert_array_equal(solved, own_solved)
+                        np.testing.assert_array_equal(shown, own_shown)
+
+    def test_it_renders_as_in_its_own_file(self) -> None:
+        """It was rendered as it stood in the viewport: what is linked keeps the switches of its renders."""
+        obj = small_renders.stage("CYCLES")
+        sleeve.bend_until(4)
+        put_behind(obj, "MASK")
+        own = small_renders.clip(1, 4)
+        bare = modifier.find(obj)
+        bare.show_render = False
+        without = small_renders.still(4)
+        bare.show_render = True
+        for path in (self.library, self.shot):
+            bpy.ops.wm.save_as_mainfile(filepath=path)
+        bpy.data.objects.remove(obj)
+        with bpy.data.libraries.load(self.library, link=True) as (_, wanted):
+            wanted.objects = ["Sleeve"]
+        bpy.context.scene.collection.objects.link(wanted.objects[0])
+        found = small_renders.clip(1, 4)
+        self.assertEqual(runtimes.message(wanted.objects[0]), "")
+        depsgraph = bpy.context.evaluated_depsgraph_get()
+        for m in wanted.objects[0].evaluated_get(depsgraph).modifiers:
+            self.assertEqual((m.show_viewport, m.show_render), (True, True))
+        self.assertLessEqual(reference_solve.unlike(found[4], own[4]), render_cases.STRAY)
+        self.assertGreater(reference_solve.unlike(without, own[4]), render_cases.OTHER)
+
+    def test_what_asks_for_the_frame_is_said(self) -> None:
+        obj = small_renders.stage("CYCLES")
+        put_behind(obj, "MASK")
+        obj.modifiers.new("Ripples", "WAVE")
+        compat.move_modifier(obj, 3, 0)
+        for path in (self.library, self.shot):
+            bpy.ops.wm.save_as_mainfile(filepath=path)
+        bpy.data.objects.remove(obj)
+        with bpy.data.libraries.load(self.library, link=True) as (_, wanted):
+            wanted.objects = ["Sleeve"]
+        bpy.context.scene.collection.objects.link(wanted.objects[0])
+        printed = io.StringIO()
+        with contextlib.redirect_stdout(printed):
+            small_renders.still(2)
+        self.assertIn('Sleeve: it is linked, and a modifier below the wrinkles removes points, so renders do not see '
+                      'what "Ripples" does: make a library override of it', printed.getvalue())
 
 
 if __name__ == "__main__":

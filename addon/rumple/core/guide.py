@@ -69,7 +69,8 @@ MESSAGES = tuple((re.compile(pattern), anchor) for pattern, anchor in (
      r"|deforms the mesh|no valid position|scale is zero|the fine mesh would have|of the own mesh|has no room for"
      r"|rest wrinkle of|away from the origin|other vertices in renders|leaves no faces"
      r"|find their places|collides with it|parented to vertices|shows no waves|Use Limit Surface|has no faces"
-     r"|differs by axes|stand at one place|nothing to wrinkle|: seams: |vertices without a face|meet only in a point"
+     r"|differs by axes|so renders do not see|stand at one place|nothing to wrinkle|: seams: "
+     r"|vertices without a face|meet only in a point"
      r"|of zero (?:length|area)", "the-mesh-and-its-modifiers"),
     (r"renders show its folds one frame late|custom normals|lets lists grow only", "known-limits"),
     (r"nothing to bake|has no frame|is before the first|was never saved|clip is not deleted|is kept, |Bake cancelled",
