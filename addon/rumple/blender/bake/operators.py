@@ -6,11 +6,11 @@ import time
 
 import bpy
 
-from .. import compat, ui_base
+from .. import ui_base
 from ..frame import first_pass
-from ..objects import bodies, clip_place, modifier
+from ..objects import clip_place, modifier
 from ..translation import said
-from . import clip, shape_keys
+from . import clip, duration, shape_keys
 from .playback import BakeError, Playback
 
 PARTS = 1000  # of the progress that is shown
@@ -42,9 +42,7 @@ class OBJECT_OT_rumple_bake(ui_base.OnWrinkled, bpy.types.Operator):
         if not self.every:
             self._waiting = [context.object.name]
             return
-        pairs = [pair for pair in modifier.wrinkled_objects() if pair[0].name in context.scene.objects
-                 and compat.is_editable(pair[0])]
-        self._waiting = [obj.name for obj, _ours in bodies.in_order(pairs)]
+        self._waiting = [obj.name for obj in duration.bake_all(context.scene)]
 
     def _next(self, context: bpy.types.Context) -> None:
         """Begin the next that can be baked; none: all are done."""
@@ -53,6 +51,7 @@ class OBJECT_OT_rumple_bake(ui_base.OnWrinkled, bpy.types.Operator):
         while self._waiting and self._running is None:
             name = self._waiting.pop(0)
             if name in bpy.data.objects:
+                self._began = time.perf_counter()
                 self._running = self._begin(context, bpy.data.objects[name])
 
     def _step_until(self, context: bpy.types.Context, until: float) -> None:
@@ -125,7 +124,9 @@ class OBJECT_OT_rumple_bake(ui_base.OnWrinkled, bpy.types.Operator):
         done, count = self._running.done, self._running.playback.count
         context.window_manager.progress_update(done * PARTS // max(count, 1))
         if context.workspace is not None:
-            text = said(f"Baking wrinkles: {done} of {count} samples. Esc cancels")
+            left = duration.left(time.perf_counter() - self._began, done, count)
+            text = said(f"Baking wrinkles: {done} of {count} samples, about {left} left. Esc cancels" if left else
+                        f"Baking wrinkles: {done} of {count} samples. Esc cancels")
             context.workspace.status_text_set(f"{self._running.name}: {text}" if self.every else text)
 
     def _end_modal(self, context: bpy.types.Context) -> None:

@@ -8,6 +8,7 @@ from ..frame import clip_status
 from ..objects import clip_place, modifier
 from ..translation import said
 from ..ui_base import Panel, draw_note, property_column
+from . import duration
 
 
 def draw_header(layout: bpy.types.UILayout, obj: bpy.types.Object) -> None:
@@ -33,6 +34,11 @@ class DATA_PT_rumple_bake(Panel, bpy.types.Panel):
             column.prop(obj.rumple, "bake_whole_clip")
         if clip_place.of(obj) is None:
             draw_note(self.layout, f"{obj.name}: the file was never saved, so the clip goes to a temporary folder")
+        every = duration.bake_all(context.scene)
+        for objects in ([obj], every) if len(every) > 1 else ([obj],):
+            expected = duration.note(objects, context.scene)
+            if expected:
+                draw_note(column, expected, "TIME")
         row = column.row(align=True)
         row.operator("object.rumple_bake", icon="RENDER_ANIMATION").every = False
         row.operator("object.rumple_bake", text="Bake All").every = True

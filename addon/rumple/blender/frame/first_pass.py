@@ -13,6 +13,8 @@ without these handlers, the flag is not set and the fine mesh is shown.
 """
 from __future__ import annotations
 
+import time
+
 import bpy
 
 from .. import compat, scheduler
@@ -20,6 +22,7 @@ from ..nodes.output_flags import Flag, change_flag, is_set, set_flag
 from ..objects import bodies, modifier, runtimes, units, viewport_mesh
 
 _some_are_coarse = False
+_began: float | None = None  # of the frame that Blender evaluates now, by time.perf_counter()
 _needed: frozenset[str] | None = None  # names of the garments that a bake reads; None: there is no bake
 
 
@@ -55,7 +58,8 @@ def hand_on_coarse(scene: bpy.types.Scene) -> None:
 
     Cost: about a microsecond for each modifier of the file and each node of its geometry node groups.
     """
-    global _some_are_coarse
+    global _some_are_coarse, _began
+    _began = time.perf_counter()
     if not scheduler.may_prepare_frame():
         return
     with scheduler.LOCK:
@@ -70,9 +74,15 @@ def hand_on_coarse(scene: bpy.types.Scene) -> None:
                 _some_are_coarse |= set_flag(output, Flag.COARSE_ONLY, True)
 
 
+def seconds_evaluated() -> float | None:
+    """That Blender has taken for the first pass of the frame; None between frames."""
+    return None if _began is None else time.perf_counter() - _began
+
+
 def show_fine(scene: bpy.types.Scene) -> None:
     """After the first pass, whatever happened in it."""
-    global _some_are_coarse
+    global _some_are_coarse, _began
+    _began = None
     if _needed is not None:
         return
     if scheduler.rendering() and not bpy.app.background:

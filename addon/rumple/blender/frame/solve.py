@@ -8,6 +8,8 @@ the output mesh, and nothing at all when nothing changed; leave baked objects al
 """
 from __future__ import annotations
 
+import time
+
 import bpy
 import numpy as np
 
@@ -29,6 +31,7 @@ def process(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
     """Solve what this depsgraph shows. Never raises."""
     if not scheduler.may_process(depsgraph):
         return
+    evaluated = first_pass.seconds_evaluated()
     with LOCK:
         objects = bodies.in_order([pair for pair in modifier.wrinkled_objects() if first_pass.is_needed(*pair)])
         late = {obj for obj, nodes_mod in objects if _is_late(obj, nodes_mod)}
@@ -41,8 +44,16 @@ def process(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
                                                            obj in differing)]
         for obj, _ours in objects:
             runtimes.of(obj).pose = None  # it belongs to this call only
+            _note_seconds(runtimes.of(obj), evaluated)
         if written and len(objects) > 1:
             _tag_dependents(written, [obj for obj, _ in objects])
+
+
+def _note_seconds(runtime: Runtime, evaluated: float | None) -> None:
+    """How long this frame took, where it was solved now. evaluated: seconds of what comes before."""
+    if evaluated is not None and runtime.solving > 0.0:
+        runtime.frame_seconds = evaluated + runtime.solving
+    runtime.solving = 0.0
 
 
 def _tag_dependents(written: list[bpy.types.Object], wrinkled: list[bpy.types.Object]) -> None:
@@ -202,7 +213,10 @@ def _solve_and_show(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier, s
     disk_frames.follow(obj, runtime)
     first = units.first_frame(obj, scene)
     runtime.evaluator.settings_are_keyed = properties.are_keyed(obj)
+    began = time.perf_counter()
     result = _solve(runtime, inputs, first, inputs.uses_proxy, inputs.in_viewport)
+    if isinstance(result, engine.FrameResult) and not result.replayed:
+        runtime.solving = time.perf_counter() - began
     runtime.inputs = inputs
     messages.set_frame_error(runtime, clip_fault)
     unplayed = runtime.evaluator.unplayed_message(inputs.frame, first) if result.unplayed else ""

@@ -76,6 +76,8 @@ class Runtime(RuntimeBase):
     asked_for_proxy: bool = False  # by the preview, last
     bake_note: str = ""  # what is wrong with the baked clip, whatever the frame
     curve_points: int = 0  # the most points that its curves had no room for
+    solving: float = 0.0  # seconds, of what was solved in this call
+    frame_seconds: float = 0.0  # that the last frame took which was solved anew, with what comes before; 0: none was
     pose: np.ndarray | None = None  # coarse positions read before a rebuild, for the solve right after it
 
     def forget_inputs(self) -> None:

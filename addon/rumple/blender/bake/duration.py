@@ -1,0 +1,51 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""How long a bake will take, by what was measured: said before it is begun, and while it runs."""
+from __future__ import annotations
+
+import bpy
+
+from .. import compat
+from ..objects import bodies, modifier, runtimes, units
+
+LEAST = 5.0  # seconds: less is not worth a word
+
+
+def note(objects: list[bpy.types.Object], scene: bpy.types.Scene) -> str:
+    """What to say before these are baked one after the other; empty where it takes a moment, or nothing of one was
+    solved yet."""
+    each = [_seconds(obj, scene) for obj in objects]
+    if not each or not all(each) or sum(each) < LEAST:
+        return ""
+    if len(objects) > 1:
+        return f"Bake All takes about {in_words(sum(each))}, as the last frames took"
+    return f"A bake takes about {in_words(each[0])}, as the last frame took"
+
+
+def bake_all(scene: bpy.types.Scene) -> list[bpy.types.Object]:
+    """What Bake All bakes, in its order."""
+    pairs = [pair for pair in modifier.wrinkled_objects()
+             if pair[0].name in scene.objects and compat.is_editable(pair[0])]
+    return [obj for obj, _ours in bodies.in_order(pairs)]
+
+
+def left(elapsed: float, done: int, count: int) -> str:
+    """Of a bake that runs, of which so many of its samples are done; empty where it is not known yet, or a moment."""
+    seconds = elapsed * (count - done) / done if done else 0.0
+    return in_words(seconds) if elapsed > 1.0 and seconds >= LEAST else ""
+
+
+def in_words(seconds: float) -> str:
+    """Two digits: more is not known."""
+    for unit, size in (("h", 3600.0), ("min", 60.0)):
+        if seconds >= 2.0 * size:
+            return f"{float(f'{seconds / size:.2g}'):g} {unit}"
+    return f"{float(f'{seconds:.2g}'):g} s"
+
+
+def _seconds(obj: bpy.types.Object, scene: bpy.types.Scene) -> float:
+    """Of the frames that it solves: with those before its first one, from which that one follows."""
+    runtime, about = runtimes.known(obj), obj.rumple
+    if modifier.find(obj) is None or runtime is None:
+        return 0.0
+    before = max(about.bake_start - units.first_frame(obj, scene), 0)
+    return runtime.frame_seconds * (before + max(about.bake_end - about.bake_start, 0) * about.bake_samples + 1)
