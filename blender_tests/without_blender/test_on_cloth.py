@@ -140,6 +140,26 @@ class OnCloth(unittest.TestCase):
         self.assertGreater(int((free < -gap - 1e-3).sum()), 10)
         np.testing.assert_allclose(height, np.maximum(free, -gap), atol=1e-6)
 
+    def test_a_limb_that_is_elsewhere_at_rest_is_not_under_the_cloth(self) -> None:
+        """An arm that is animated into the flank of a shirt: it is not dressed in the shirt."""
+        settings = on_cloth(FIELD, gravity=0.0)
+        triangles = np.ascontiguousarray(self.base.corner_vertex[self.base.triangle_corner])
+        limb = Body(self.clip[5] * np.array((1.03, 1.03, 1.0), np.float32), triangles)
+        away = limb.positions + np.array((1.0, 0.0, 0.0), np.float32)
+        cloth = {}
+        for name, rest in (("none", None), ("here", self.base.positions), ("away", away),
+                           ("unknown", np.full_like(away, np.nan))):
+            fine = self.build(FIELD)
+            self.solve(fine, 5, settings, body=replace(limb, rest=rest))
+            cloth[name] = fine.state_of(5.0).cloth.positions
+        alone = self.build(FIELD)
+        self.solve(alone, 5, settings)
+        for name in ("here", "unknown"):
+            np.testing.assert_array_equal(cloth[name], cloth["none"])
+        apart = [np.linalg.norm(cloth[name] - alone.state_of(5.0).cloth.positions, axis=1).max() for name in cloth]
+        self.assertGreater(apart[0], 3e-3)
+        self.assertLess(apart[2], 1e-4)
+
     def test_what_is_shown_is_embedded_in_the_animated_mesh(self) -> None:
         """Each shown vertex is as far from its place on the animated triangle as its stored offset is long."""
         for name, settings in KINDS.items():

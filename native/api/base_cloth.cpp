@@ -208,11 +208,13 @@ base_cloth::Paint paint_in(const rumple_base_cloth_paint* paint) {
 // ---- bodies
 
 rumple_status rumple_collider_build(const float* positions, size_t positions_count, const int32_t* triangles,
-                                    size_t triangles_count, rumple_collider** collider) {
+                                    size_t triangles_count, const float* rest, size_t rest_count,
+                                    float worn_within, rumple_collider** collider) {
     return made(collider, "collider", [&] {
         const auto points = vectors(positions, positions_count, "positions");
         const auto corners = rows<std::array<Index, 3>>(triangles, triangles_count, "triangles");
-        return new rumple_collider{Collider(points, corners)};
+        const auto at_rest = rows<Vec3>(rest, rest_count, "rest");
+        return new rumple_collider{Collider(points, corners, at_rest, worn_within)};
     });
 }
 

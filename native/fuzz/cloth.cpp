@@ -29,8 +29,10 @@ void build_collider(World& world, Bytes& bytes) {
         triangle.push_back(c >= 0 && size_t(c) < from.corner.size() ? from.corner[size_t(c)] : c);
     const Floats positions(from.positions, 3, bytes);
     const Numbers triangles(triangle, 3, bytes);
-    auto* collider = MAKE(rumple_collider, rumple_collider_build, positions.pointer, positions.count,
-                          triangles.pointer, triangles.count);
+    const Floats rest(bytes.byte() % 2 ? from.positions : std::vector<float>(), 3, bytes);
+    auto* collider =
+        MAKE(rumple_collider, rumple_collider_build, positions.pointer, positions.count, triangles.pointer,
+             triangles.count, rest.pointer, rest.count, bytes.real(0.0f, 1.0f));
     auto base = std::make_shared<Base>();
     base->rest = from.positions;
     base->vertices = CALL(rumple_collider_vertex_count, collider);

@@ -41,7 +41,8 @@ TEST(ApiErrors, CountsThatNoArrayHasAreRefusedUnread) {
         EXPECT_THROW(vectors(&number, count, "positions"), InvalidInput);
         rumple_collider* collider = nullptr;
         const int32_t corners[3] = {0, 1, 2};
-        EXPECT_EQ(rumple_collider_build(&number, count, corners, 1, &collider), RUMPLE_INVALID);
+        EXPECT_EQ(rumple_collider_build(&number, count, corners, 1, nullptr, 0, 0.0f, &collider),
+                  RUMPLE_INVALID);
         EXPECT_NE(std::string(rumple_error()).find("positions: expected at most 2147483647"),
                   std::string::npos);
         EXPECT_EQ(collider, nullptr);

@@ -89,7 +89,8 @@ TEST(ApiThreads, ShareAColliderThatIsPosedInTurns) {
                                                 {-1, -1, -0.001f, 3, -1, -0.001f, -1, 3, -0.001f}};
     const int32_t triangle[] = {0, 1, 2};
     rumple_collider* collider = nullptr;
-    ASSERT_EQ(rumple_collider_build(poses[0].data(), 3, triangle, 1, &collider), RUMPLE_OK) << rumple_error();
+    ASSERT_EQ(rumple_collider_build(poses[0].data(), 3, triangle, 1, nullptr, 0, 0.0f, &collider), RUMPLE_OK)
+        << rumple_error();
     const auto cloth_over = [&](const std::vector<float>& body) {
         const rumple_base_cloth_settings settings = rumple_base_cloth_settings_default();
         const rumple_bodies bodies{collider, body.data(), 3};

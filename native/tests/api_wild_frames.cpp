@@ -100,7 +100,7 @@ TEST(ApiWildFrames, ARestShapeOrABodyThatFloatsCannotHoldIsRefused) {
         "positions_rest: vertex 2 is 2e+08 away from the origin, more than 1e+08: move the mesh to the "
         "origin, or scale it down");
     rumple_collider* collider = nullptr;
-    EXPECT_EQ(rumple_collider_build(far, 4, triangle, 2, &collider), RUMPLE_INVALID);
+    EXPECT_EQ(rumple_collider_build(far, 4, triangle, 2, nullptr, 0, 0.0f, &collider), RUMPLE_INVALID);
     EXPECT_NE(std::string(rumple_error()).find("body positions: vertex 2"), std::string::npos);
 }
 

@@ -118,6 +118,32 @@ TEST(BaseClothContact, AGarmentInsideTheBodyComesOutAndADeepOneStays) {
         EXPECT_NEAR(stayed[v], std::hypot(smooth[v].y, smooth[v].z), 1e-6f);
 }
 
+// An arm beside a flank, animated so far into it that only its outer side is out: the flank is not pulled
+// over it. What hangs free lies on whatever comes under it.
+TEST(BaseClothContact, ABodyThatIsFarAtRestIsNotComeOutOf) {
+    const Body body = body_of(tube(64, 40, 0.1f, 0.8f));
+    std::vector<Vec3> elsewhere = body.positions;
+    for (Vec3& p : elsewhere) p.y += 0.5f;
+    MeshData mesh = tube(32, 16, 0.098f, 0.4f);
+    for (Vec3& p : mesh.positions) p.x += 0.2f;
+    const Garment garment(mesh);
+    Settings settings;
+    settings.gravity = Vec3(0.0f);
+    const auto over = [&](std::span<const Vec3> rest, const Paint& paint = {}) {
+        const Collider collider(body.positions, body.triangles, rest, 0.15f);
+        const PosedCollider posed(collider, body.positions);
+        return garment.solve(settings, mesh.positions, nullptr, paint, &posed);
+    };
+    const Result out = over({}), under = over(body.positions), beside = over(elsewhere);
+    EXPECT_EQ(farthest(out.positions, under.positions), 0.0f);
+    EXPECT_GT(farthest(out.positions, mesh.positions), 4e-3f);
+    EXPECT_LT(farthest(beside.positions, mesh.positions), 1e-3f);
+    EXPECT_EQ(beside.report.body_known, 0.0f);
+    Paint hangs_free;
+    hangs_free.room.assign(mesh.positions.size(), 8.0f);
+    EXPECT_GT(over(elsewhere, hangs_free).report.body_known, 0.9f);
+}
+
 // A body that moves under a resting sheet wakes it; one that only turns with it does not.
 TEST(BaseClothContact, ABodyThatMovesWakesTheCloth) {
     Body body = ball();

@@ -301,8 +301,8 @@ static void play_cloth(const char* name, const garment* g, float clip[FRAMES][MO
     int32_t triangles[4 * MOST_VERTICES][3];
     for (int t = 0; t < arm.triangles; ++t)
         for (int k = 0; k < 3; ++k) triangles[t][k] = arm.corner_vertex[arm.triangle_corner[t][k]];
-    check(rumple_collider_build(arm.rest[0], (size_t)arm.vertices, triangles[0], (size_t)arm.triangles,
-                                &collider));
+    check(rumple_collider_build(arm.rest[0], (size_t)arm.vertices, triangles[0], (size_t)arm.triangles, NULL,
+                                0, 0.0f, &collider));
     check(rumple_base_cloth_build(surface, &model));
     swing.seconds = 1.0f / 24.0f;
     for (int frame = 0; frame < FRAMES; ++frame) {

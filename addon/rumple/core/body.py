@@ -10,6 +10,7 @@ import numpy as np
 
 INSIDE = 0.03  # volume over area^1.5 from which a surface has an inside, as for garments (heal_winding.cpp)
 CLOSED_INSIDE = 0.005  # the same where it is nearly closed: whole bodies have 0.026 to 0.047, a long pole 0.018
+SOME, NEAR = 200, 0.25  # vertices that are asked; of the garment's diagonal: half of them have the body as near
 NEARLY_CLOSED = 0.2  # opening over area; bodies with a hole at the neck 0.05, a bowl 0.5
 
 
@@ -20,10 +21,11 @@ class Body:
     positions: np.ndarray  # (b, 3) float32, object space of the garment
     triangles: np.ndarray  # (t, 3) int32, into positions; counter-clockwise seen from outside
     digest: bytes = b""  # digest_of_triangles(), where it is kept from frame to frame
+    rest: np.ndarray | None = None  # (b, 3) float32: its place while the garment is as at rest, NaN where not known
 
     def arrays(self) -> tuple[np.ndarray, np.ndarray]:
         """What tells it from another, for digests."""
-        return self.positions, np.frombuffer(self.digest or digest_of_triangles(self.triangles), np.uint8)
+        return self.positions, np.frombuffer(self.digest or digest_of_triangles(self.triangles, self.rest), np.uint8)
 
     def same_as(self, other: "Body | None") -> bool:
         """Whether both are the same surfaces at the same places, to the bit."""
@@ -34,12 +36,13 @@ class Body:
 class OwnSkin:
     """Skin in the mesh of a garment: the garment's own body."""
 
-    def __init__(self, triangles: np.ndarray) -> None:
-        """triangles: (t, 3) int32, vertices of the garment's mesh."""
+    def __init__(self, triangles: np.ndarray, rest: np.ndarray | None = None) -> None:
+        """triangles: (t, 3) int32, vertices of the garment's mesh. rest: of that mesh, (n, 3) float32."""
         self.triangles = triangles
         self._vertices, rows = np.unique(triangles, return_inverse=True)
+        self._rest = None if rest is None else rest[self._vertices]
         self._own = np.ascontiguousarray(rows.reshape(-1, 3), np.int32)  # rows of _vertices
-        self._joined: tuple[np.ndarray, Body] | None = None  # with which triangles of a body, and what it became
+        self._joined: tuple[Body | None, Body] | None = None  # with which body, and what it became
 
     def is_all_of(self, body: Body) -> bool:
         """Whether joined() added nothing to it."""
@@ -50,17 +53,56 @@ class OwnSkin:
         if not len(self._own):
             return body
         own = positions[self._vertices]
-        others = np.zeros((0, 3), np.int32) if body is None else body.triangles
-        if self._joined is None or not same_triangles(self._joined[0], others):
-            triangles = np.concatenate([self._own, others + np.int32(len(own))])
-            self._joined = others, Body(own, triangles, digest_of_triangles(triangles))
+        if self._joined is None or not same_at_rest(self._joined[0], body):
+            others = np.zeros((0, 3), np.int32) if body is None else body.triangles
+            triangles, rest = np.concatenate([self._own, others + np.int32(len(own))]), self._rest_with(body)
+            self._joined = body, Body(own, triangles, digest_of_triangles(triangles, rest), rest)
         places = own if body is None else np.concatenate([own, body.positions])
         return replace(self._joined[1], positions=np.ascontiguousarray(places, np.float32))
 
+    def _rest_with(self, body: Body | None) -> np.ndarray | None:
+        own = [(len(self._vertices), self._rest)]
+        return joined_rest(own if body is None else [*own, (len(body.positions), body.rest)])
 
-def digest_of_triangles(triangles: np.ndarray) -> bytes:
-    """16 bytes. triangles: (t, 3) int32."""
-    return hashlib.blake2b(np.ascontiguousarray(triangles).data, digest_size=16).digest()
+
+def digest_of_triangles(triangles: np.ndarray, rest: np.ndarray | None = None) -> bytes:
+    """16 bytes. triangles: (t, 3) int32. rest: of a Body."""
+    digest = hashlib.blake2b(np.ascontiguousarray(triangles).data, digest_size=16)
+    if rest is not None:
+        digest.update(np.ascontiguousarray(rest).data)
+    return digest.digest()
+
+
+def joined_rest(parts: list[tuple[int, np.ndarray | None]]) -> np.ndarray | None:
+    """Of all bodies of a garment, as a Body has it. parts: how many vertices each has, and its own."""
+    if all(rest is None for _, rest in parts):
+        return None
+    unknown = [np.full((count, 3), np.nan, np.float32) if rest is None else rest for count, rest in parts]
+    return np.ascontiguousarray(np.concatenate(unknown), np.float32)
+
+
+def is_worn_at_rest(cloth: np.ndarray, body: np.ndarray) -> bool:
+    """Whether a garment (n, 3) was modelled on a body (b, 3), both at rest: half of it is near. Where it was not, the
+    body's place at rest tells nothing."""
+    some = cloth[::max(len(cloth) // SOME, 1)]
+    if not len(some) or not len(body):
+        return False
+    near = NEAR * float(np.linalg.norm(np.ptp(some, axis=0)))
+    nearest = [float(np.square(body - place).sum(axis=1).min()) for place in some]
+    return bool(np.median(nearest) < near * near)
+
+
+def same_at_rest(one: Body | None, other: Body | None) -> bool:
+    """Whether both are the same surfaces, in whatever pose."""
+    if one is None or other is None:
+        return one is other
+    return same_triangles(one.triangles, other.triangles) and _same_rest(one.rest, other.rest)
+
+
+def _same_rest(some: np.ndarray | None, others: np.ndarray | None) -> bool:
+    if some is None or others is None:
+        return some is others
+    return some is others or np.array_equal(some, others, equal_nan=True)
 
 
 def same_triangles(some: np.ndarray, others: np.ndarray) -> bool:

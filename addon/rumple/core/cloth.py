@@ -10,7 +10,7 @@ import numpy as np
 
 from ..native import kernels
 from . import transforms
-from .body import Body, same_triangles
+from .body import Body, same_at_rest
 from .cloth_settings import ClothSettings, direction_of
 from .fabrics import GRAVITY
 from .hangs_free import FREE, room_factor
@@ -26,6 +26,8 @@ SWINGING = dict(stretch=50.0, shear=5.0, compression=0.3, folded=1.0, smoothing=
 BENT = ("compression", "folded", "smoothing")  # what of these the bending of a fabric is
 THIRTIETH = 1.0 / 30.0  # s: what substeps divide
 LEAST_BEND = 4.0  # radius of lines that folds may run along, over their wavelength; from four times that on all do
+# Metres: skin that is farther from cloth at rest is not under it: an arm that is animated into the flank of a shirt.
+WORN_WITHIN = 0.15
 DOLL, GIANT = 0.4, 3.0  # metres, diagonal of a garment: smaller and larger ones hang as these do, to scale
 
 
@@ -82,7 +84,7 @@ class BaseCloth:
         self._suggest = suggest or functools.partial(suggested_follow, surface)
         self.model = kernels.build_base_cloth(surface)
         self.size_factor = size_factor(diagonal, unit_scale)
-        self._collider: tuple[np.ndarray, Any] | None = None
+        self._collider: tuple[Body, Any] | None = None
         self._paint: Any = None
         self._painted: dict[str, np.ndarray] | None = None
         self._paint_settings = "", 0.0, 0.0
@@ -109,11 +111,12 @@ class BaseCloth:
         return ClothFrame(*kernels.swing_base_cloth(self.model, options, swing, *frame, forces), swing_input)
 
     def collider(self, body: Body | None) -> Any:
-        """The native collider of a body, built once for its triangles; None for none."""
+        """The native collider of a body, built once for its triangles and its rest; None for none."""
         if body is None or not len(body.triangles):
             return None
-        if self._collider is None or not same_triangles(self._collider[0], body.triangles):
-            self._collider = body.triangles, kernels.Collider(body.positions, body.triangles)
+        if self._collider is None or not same_at_rest(self._collider[0], body):
+            within = WORN_WITHIN * self.size_factor / self.unit_scale
+            self._collider = body, kernels.Collider(body.positions, body.triangles, body.rest, within)
         return self._collider[1]
 
     def thickness(self, settings: ClothSettings) -> float:

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple, Sequence
 import numpy as np
 
 from . import c
-from .arrays import FLOAT, INT, address, checked, fill, given, lent_all, new
+from .arrays import FLOAT, INT, address, checked, fill, given, lent_all, new, optional
 from .handle import Array, Handle, Number
 from .library import lib
 from .struct import Vector, put
@@ -20,10 +20,13 @@ class Collider(Handle):
     __slots__ = ()
     POINTER, FREE = c.ColliderPointer, "rumple_collider_free"
 
-    def __init__(self, positions: np.ndarray, triangles: np.ndarray) -> None:
-        """positions: (b, 3) float32, any pose. triangles: (t, 3) int32, counter-clockwise from outside."""
+    def __init__(self, positions: np.ndarray, triangles: np.ndarray, rest: np.ndarray | None = None,
+                 worn_within: float = 0.0) -> None:
+        """positions: (b, 3) float32, any pose. triangles: (t, 3) int32, counter-clockwise from outside. rest: (b, 3)
+        float32, where they are while the cloth is as at rest, NaN where that is not known: what is farther than
+        worn_within from a place of the cloth there is not under that place."""
         self._filled(self, lib.rumple_collider_build, *given(positions, "positions", FLOAT, 3),
-                     *given(triangles, "triangles", INT, 3))
+                     *given(triangles, "triangles", INT, 3), *optional(rest, "rest", FLOAT, 3), worn_within)
 
     @property
     def vertex_count(self) -> int:

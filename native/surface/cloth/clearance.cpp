@@ -36,6 +36,7 @@ ClearanceModel build_clearance(const Surface& surface) {
         around[edge.b].push_back({edge.a, 1.0f / (length * length)});
     }
     ClearanceModel model;
+    model.rest = surface.positions_rest;
     for (const auto& sides : around) {
         for (const auto& [neighbour, inverse_square] : sides) {
             model.neighbour.push_back(neighbour);
@@ -68,7 +69,10 @@ Clearance clearance(const ClearanceModel& model, const ClearanceSettings& settin
         if (normals[v] == Vec3(0.0f)) return;  // loose: nothing faces as it does
         BodyContact& contact = clearance.bodies[v];
         const float reach = at_least(settings.reach, v);
-        contact = bodies->closest(surface_points[v], normals[v], reach, hints[v]);
+        // What hangs free meets what it was not modelled on.
+        const bool is_free = !free.empty() && free[v] > 0.0f;
+        contact = bodies->closest(surface_points[v], normals[v], reach, hints[v],
+                                  is_free ? nullptr : &model.rest[v]);
         hints[v] = contact.triangle;
         if (contact.triangle == kNone) return;
         // What is about to leave the reach counts less and less.

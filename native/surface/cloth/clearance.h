@@ -22,6 +22,7 @@ struct ClearanceModel {
     std::vector<Index> start{0};
     std::vector<Index> neighbour;
     std::vector<float> inverse_square;  // 1 / rest length^2 of that side
+    std::vector<Vec3> rest;             // position, per vertex
 };
 ClearanceModel build_clearance(const Surface& surface);
 

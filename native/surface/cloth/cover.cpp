@@ -23,7 +23,7 @@ float lift_of(const CoverSettings& settings, const PosedCollider& bodies, const 
               const Vec3& normal, Index hint) {
     const float length = glm::length(normal);
     if (length < kShortestNormal) return 0.0f;
-    const BodyContact body = bodies.closest(point, normal / length, reach(settings), hint);
+    const BodyContact body = bodies.closest_around(point, normal / length, reach(settings), hint);
     if (body.triangle == kNone || body.distance < -settings.depth) return 0.0f;
     return body.weight * std::max(settings.thickness - body.distance, 0.0f);
 }

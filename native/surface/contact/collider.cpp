@@ -35,8 +35,11 @@ std::vector<Row> checked(const Collider& collider, std::span<const Vec3> positio
 
 }  // namespace
 
-Collider::Collider(std::span<const Vec3> positions, std::span<const std::array<Index, 3>> triangles)
-    : vertex_count_(static_cast<Index>(positions.size())), triangles_(triangles.begin(), triangles.end()) {
+Collider::Collider(std::span<const Vec3> positions, std::span<const std::array<Index, 3>> triangles,
+                   std::span<const Vec3> rest, float worn_within)
+    : vertex_count_(static_cast<Index>(positions.size())),
+      triangles_(triangles.begin(), triangles.end()),
+      worn_within_(worn_within) {
     if (triangles_.empty()) throw InvalidInput("body: expected at least one triangle, got none");
     check_coordinates("body positions", positions);
     for (size_t t = 0; t < triangles_.size(); ++t) {
@@ -45,6 +48,11 @@ Collider::Collider(std::span<const Vec3> positions, std::span<const std::array<I
             throw InvalidInput("body triangles: triangle " + std::to_string(t) + " names vertex " +
                                std::to_string(v) + " of " + std::to_string(vertex_count_));
         }
+    }
+    if (!rest.empty()) {
+        expect_count("rest", rest.size(), positions.size(), "vertices");
+        expect_within("worn_within", worn_within, 0.0, kFarthestCoordinate);
+        rest_centre_ = centres_of(rest, triangles_);
     }
     hierarchy_ = build_packets(centres_of(positions, triangles_));
     mark_borders();
@@ -123,30 +131,39 @@ Vec3 PosedCollider::normal_of(const Best& best) const {
     return unit_or_zero(mixed(best.weights, normal[t[0]].vec(), normal[t[1]].vec(), normal[t[2]].vec()));
 }
 
+// What is not finite is near.
+bool PosedCollider::is_worn(Index triangle, const Vec3* worn_at) const {
+    if (!worn_at || collider_.rest_centre_.empty()) return true;
+    const Vec3 apart = collider_.rest_centre_[triangle] - *worn_at;
+    return !(glm::dot(apart, apart) > collider_.worn_within_ * collider_.worn_within_);
+}
+
 // Takes what is nearer than the best, among equals the lowest triangle: so the order of looking does not
 // count. counts(packet): which of its triangles do.
 template <typename Counts>
 void PosedCollider::look_at(const PosedPackets::Packet& packet, const PacketHierarchy::Triangles& triangles,
-                            const Vec3& p, const Counts& counts, Best& best) const {
+                            const Vec3& p, const Counts& counts, Best& best, const Vec3* worn_at) const {
     const LaneMask counting = counts(packet);
     if (bits_of(counting) == 0) return;
     const ClosestOfFour found = closest_of(packet, Vec3Lanes(p));
     for_each_true(counting & (found.squared <= all_lanes(best.squared)), [&](int k) {
         if (found.squared[k] > best.squared) return;
         if (found.squared[k] == best.squared && triangles[k] >= best.triangle) return;
+        if (!is_worn(triangles[k], worn_at)) return;
         const float v = found.at.v[k], w = found.at.w[k];
         best = {found.squared[k], triangles[k], {1.0f - v - w, v, w}};
     });
 }
 
-BodyContact PosedCollider::closest(const Vec3& p, const Vec3& normal, float reach, Index hint) const {
+BodyContact PosedCollider::closest(const Vec3& p, const Vec3& normal, float reach, Index hint,
+                                   const Vec3* worn_at) const {
     const Vec3Lanes facing(normal);
     const auto counts = [&](const PosedPackets::Packet& packet) {
         return LaneMask(dot(packet.normal, facing) >= all_lanes(kFacing));
     };
     Best best{squared_reach(reach)};
     const auto look = [&](const PosedPackets::Packet& packet, const PacketHierarchy::Triangles& triangles) {
-        look_at(packet, triangles, p, counts, best);
+        look_at(packet, triangles, p, counts, best, worn_at);
     };
     if (hint >= 0 && hint < collider_.triangle_count()) packets_.look_around(hint, look);
     packets_.search(p, best.squared, nullptr, look);

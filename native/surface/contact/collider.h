@@ -15,12 +15,21 @@ namespace rumple {
 class Collider {
   public:
     // positions: (any pose), object units. triangles: counter-clockwise seen from outside.
+    // rest: of the same vertices, where the cloth is modelled on them, or empty. A triangle whose middle is
+    // farther than `worn_within` from a place of the cloth there is not under that place. Where it is not
+    // finite it is under any.
     // Throws InvalidInput: no triangle, an index out of range, a position that is not finite.
     // Cost: O(n log^2 n).
-    Collider(std::span<const Vec3> positions, std::span<const std::array<Index, 3>> triangles);
+    Collider(std::span<const Vec3> positions, std::span<const std::array<Index, 3>> triangles,
+             std::span<const Vec3> rest = {}, float worn_within = 0.0f);
 
     Index vertex_count() const { return vertex_count_; }
     Index triangle_count() const { return static_cast<Index>(triangles_.size()); }
+
+    // Middle of a triangle at rest; nullptr where no rest is known.
+    const Vec3* rest_of(Index triangle) const {
+        return rest_centre_.empty() ? nullptr : &rest_centre_[triangle];
+    }
 
   private:
     friend class PosedCollider;
@@ -32,8 +41,10 @@ class Collider {
     std::vector<std::array<Index, 3>> triangles_;
     std::vector<std::uint8_t> border_edges_;  // per triangle: bit k, the edge from corner k is a border
     std::vector<std::uint8_t> border_vertex_;
-    std::vector<Index> part_;    // per triangle: the connected part of the bodies that it is of
-    PacketHierarchy hierarchy_;  // of the triangles
+    std::vector<Index> part_;        // per triangle: the connected part of the bodies that it is of
+    PacketHierarchy hierarchy_;      // of the triangles
+    std::vector<Vec3> rest_centre_;  // per triangle, or empty
+    float worn_within_ = 0.0f;
 };
 
 // The nearest place of a body.
@@ -67,8 +78,16 @@ class PosedCollider {
     // The nearest point of the body that faces the same way as the cloth (normal: unit, of the cloth). Bodies
     // are mostly deleted under clothes: on the border of such a hole the body has no side of its own, so the
     // cloth's counts. reach: object units, finite, its square too. hint: a triangle that is likely near, or
-    // kNone; it makes it faster and changes nothing else.
-    BodyContact closest(const Vec3& p, const Vec3& normal, float reach, Index hint) const;
+    // kNone; it makes it faster and changes nothing else. worn_at: where the cloth is at rest; nullptr: any
+    // triangle may be under it. An arm that was animated into the flank of a shirt is not.
+    BodyContact closest(const Vec3& p, const Vec3& normal, float reach, Index hint,
+                        const Vec3* worn_at = nullptr) const;
+
+    // The same near a triangle, for cloth that is known to lie on that: of those that are near it at rest.
+    BodyContact closest_around(const Vec3& p, const Vec3& normal, float reach, Index triangle) const {
+        const bool known = triangle >= 0 && triangle < collider_.triangle_count();
+        return closest(p, normal, reach, triangle, known ? collider_.rest_of(triangle) : nullptr);
+    }
 
     // The same of all connected parts of the bodies but that of a triangle: skin inside a waistband.
     BodyContact closest_of_others(const Vec3& p, const Vec3& normal, float reach, Index triangle) const;
@@ -89,7 +108,8 @@ class PosedCollider {
 
     template <typename Counts>
     void look_at(const PosedPackets::Packet& packet, const PacketHierarchy::Triangles& triangles,
-                 const Vec3& p, const Counts& counts, Best& best) const;
+                 const Vec3& p, const Counts& counts, Best& best, const Vec3* worn_at = nullptr) const;
+    bool is_worn(Index triangle, const Vec3* worn_at) const;
     BodyContact contact_at(const Best& best, const Vec3& p, const Vec3& normal) const;
     Vec3 point_of(const Best& best) const;
     Vec3 normal_of(const Best& best) const;

@@ -8,17 +8,17 @@ connecting only reads: allowed in any handler.
 from __future__ import annotations
 
 import weakref
-from typing import NamedTuple
+from typing import Callable, NamedTuple
 
 import bpy
 import numpy as np
 
 from ...core import engine, transforms
-from ...core.body import Body, digest_of_triangles, is_nearly_closed, side
+from ...core.body import Body, digest_of_triangles, is_nearly_closed, joined_rest, side
 from .. import compat
 from ..nodes import path_curves_tree
-from . import (incoming_mesh, made_collections, mesh_reader, messages, modifier, output_mesh, posed_coarse, runtimes,
-               units)
+from . import (bodies_at_rest, incoming_mesh, made_collections, mesh_reader, messages, modifier, output_mesh,
+               posed_coarse, runtimes, units)
 
 Wrinkled = tuple[bpy.types.Object, bpy.types.NodesModifier]
 
@@ -189,8 +189,10 @@ def read(obj: bpy.types.Object, evaluated: bpy.types.Object, depsgraph: bpy.type
         "to its nodes"))
     if not surfaces:
         return None
-    joined = _joined_triangles((compat.session_key(obj), depsgraph.mode), surfaces)
-    return Body(np.concatenate([surface.positions for surface in surfaces]), joined.triangles, joined.digest)
+    joined = _joined_triangles((compat.session_key(obj), depsgraph.mode), surfaces, lambda: [
+        bodies_at_rest.of(obj, body, len(surface.positions)) for body, surface in read_now if surface is not None])
+    return Body(np.concatenate([surface.positions for surface in surfaces]), joined.triangles, joined.digest,
+                joined.rest)
 
 
 def _surface(obj: bpy.types.Object, evaluated: bpy.types.Object, body: bpy.types.Object,
@@ -303,6 +305,7 @@ class _Joined(NamedTuple):
     first: list[int]
     triangles: np.ndarray
     digest: bytes
+    rest: np.ndarray | None  # as Body has it
 
 
 _triangulated: dict[ByDepsgraph, _Triangulated] = {}  # by body
@@ -316,16 +319,19 @@ def forget_all() -> None:
     made_collections.forget_members()
 
 
-def _joined_triangles(key: ByDepsgraph, surfaces: list[Body]) -> _Joined:
-    """The same array as long as those of the bodies are: then nobody has to look whether it is another."""
+def _joined_triangles(key: ByDepsgraph, surfaces: list[Body],
+                      at_rest: Callable[[], list[np.ndarray | None]]) -> _Joined:
+    """The same array as long as those of the bodies are: then nobody has to look whether it is another. at_rest: of
+    each."""
     parts = [surface.triangles for surface in surfaces]
     first = np.cumsum([0] + [len(surface.positions) for surface in surfaces[:-1]], dtype=np.int32)
     kept = _joined.get(key)
     if (kept is None or kept.first != first.tolist() or len(kept.parts) != len(parts)
             or any(ref() is not part for ref, part in zip(kept.parts, parts))):
         triangles = np.concatenate([part + at for part, at in zip(parts, first)])
+        rest = joined_rest([(len(surface.positions), known) for surface, known in zip(surfaces, at_rest())])
         kept = _joined[key] = _Joined([weakref.ref(part) for part in parts], first.tolist(), triangles,
-                                      digest_of_triangles(triangles))
+                                      digest_of_triangles(triangles, rest), rest)
     return kept
 
 

@@ -16,6 +16,7 @@ from ...core.healing import TURNED
 from ...core.triangles import area_vectors
 from ...core.vertices import lengths, sample_of
 from . import bodies, incoming_mesh, mesh_reader, modifier
+from .bodies_at_rest import armatures
 
 SAMPLES = 500  # vertices at most that are asked what lies under them
 NEAR = 0.08  # of the diagonal of the bounding box: what is farther does not lie under the cloth
@@ -101,14 +102,6 @@ def _is_within(garment: bpy.types.Object, obj: bpy.types.Object) -> bool:
 def _area(obj: bpy.types.Object) -> float:
     """At rest in world space; of clothes with a modelled thickness that of the outer side."""
     return float(lengths(area_vectors(_rest(obj), triangles_of(obj))).sum())
-
-
-def armatures(obj: bpy.types.Object) -> set[bpy.types.Object]:
-    """That an object follows, as parent or by a modifier."""
-    if obj.type != "MESH":
-        return set()
-    found = {m.object for m in obj.modifiers if m.type == "ARMATURE"}
-    return {rig for rig in (*found, obj.parent) if rig is not None and rig.type == "ARMATURE"}
 
 
 def _is_worn(cloth: _Cloth, others: list[BVHTree]) -> bool:

@@ -195,7 +195,8 @@ class ClothCoverSettings(Struct):
 
 
 BASE_CLOTH_FUNCTIONS: dict[str, tuple[Any, tuple[Any, ...]]] = {
-    "rumple_collider_build": (CHECKED, (c_void_p, c_size_t, c_void_p, c_size_t, POINTER(ColliderPointer))),
+    "rumple_collider_build": (CHECKED, (c_void_p, c_size_t, c_void_p, c_size_t, c_void_p, c_size_t, c_float,
+        POINTER(ColliderPointer))),
     "rumple_collider_free": (None, (ColliderPointer,)),
     "rumple_collider_vertex_count": (c_int32, (ColliderPointer,)),
     "rumple_base_cloth_build": (CHECKED, (SurfacePointer, POINTER(BaseClothPointer))),

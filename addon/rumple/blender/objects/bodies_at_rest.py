@@ -1,0 +1,39 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Where bodies are while the garment over them is as at rest: what lies far from cloth there is not under it, wherever
+the animation puts it. Only reads: allowed in any handler."""
+from __future__ import annotations
+
+import bpy
+import numpy as np
+
+from ...core import transforms
+from ...core.body import is_worn_at_rest
+from . import mesh_reader, rig_scale
+
+OTHER_SHAPES = ("FRAME", "SHAPE_KEY")  # of a garment at rest, which its armature has not in its rest position
+
+
+def of(garment: bpy.types.Object, body: bpy.types.Object, count: int) -> np.ndarray | None:
+    """(count, 3) float32, the vertices of a body that follows the armature of a garment, object space of the garment.
+    None where that is not known: of a prop, of a mesh with other vertices, of clothes with folds."""
+    if not armatures(garment) & armatures(body) or _rest_shape(garment) in OTHER_SHAPES:
+        return None
+    rest = mesh_reader.rest_positions(body, "REST_POSE", "")
+    if len(rest) != count or not np.isfinite(rest).all():
+        return None
+    scale = np.float32(rig_scale.of_rest(garment, "REST_POSE"))
+    into = np.array(garment.matrix_world.inverted_safe() @ body.matrix_world, np.float32)
+    rest, cloth = transforms.placed(into, rest), mesh_reader.rest_positions(garment, "REST_POSE", "")
+    return scale * rest if is_worn_at_rest(cloth, rest) else None
+
+
+def armatures(obj: bpy.types.Object) -> set[bpy.types.Object]:
+    """That an object follows, as parent or by a modifier."""
+    if obj.type != "MESH":
+        return set()
+    found = {m.object for m in obj.modifiers if m.type == "ARMATURE"}
+    return {rig for rig in (*found, obj.parent) if rig is not None and rig.type == "ARMATURE"}
+
+
+def _rest_shape(garment: bpy.types.Object) -> str:
+    return getattr(getattr(garment.rumple, garment.rumple.method.lower(), None), "rest_shape", "")
