@@ -2,6 +2,7 @@
 // Bodies of which is known where they are while the cloth is as at rest.
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <limits>
 
 #include "tests/contact_bodies.h"
@@ -26,8 +27,7 @@ TEST(Collider, WhatIsFarAtRestIsNotUnderTheCloth) {
         if (!(glm::length(worn_at) < 10.0f)) continue;
         Body near{body.positions, {}};
         for (Index t = 0; t < collider.triangle_count(); ++t)
-            if (!(glm::distance(*collider.rest_of(t), worn_at) > within))
-                near.triangles.push_back(body.triangles[t]);
+            if (collider.may_be_under(t, worn_at)) near.triangles.push_back(body.triangles[t]);
         const Collider alone = near.collider();
         const Vec3 p = body.positions[size_t(i * 7) % rest.size()] + 0.2f * random.vector();
         const Vec3 normal = random.direction();
@@ -42,6 +42,32 @@ TEST(Collider, WhatIsFarAtRestIsNotUnderTheCloth) {
     }
     EXPECT_GT(found, 100);
     EXPECT_GT(others, 50);
+}
+
+// Of a tube along x, 5 cm in radius: all around it is under cloth that lies on it, or in it by a centimetre,
+// within a quarter of a turn; beside a flank, at y = -0.1, its far side is not.
+TEST(Collider, TheFarSideOfAnArmIsNotUnderAFlank) {
+    const Body arm = body_of(tube(48, 20, 0.05f, 0.3f));
+    const Collider collider(arm.positions, arm.triangles, arm.positions, 0.15f);
+    int under = 0, far = 0;
+    for (Index t = 0; t < collider.triangle_count(); ++t) {
+        const Vec3 middle = *collider.rest_of(t), out(0.0f, middle.y, middle.z);
+        const auto turned = [&](float degrees, float height) {
+            const float angle = glm::radians(degrees), radius = 0.05f + height;
+            const Vec3 side(0.0f, -middle.z, middle.y);
+            return Vec3(middle.x, 0.0f, 0.0f) +
+                   radius * glm::normalize(std::cos(angle) * out + std::sin(angle) * side);
+        };
+        for (const float height : {-0.01f, 0.0f, 0.02f, 0.05f})
+            for (const float degrees : {0.0f, 20.0f, 45.0f})
+                EXPECT_TRUE(collider.may_be_under(t, turned(degrees, height))) << degrees << " " << height;
+        EXPECT_FALSE(collider.may_be_under(t, turned(0.0f, 0.2f)));
+        if (middle.y < 0.04f) continue;
+        ++far;
+        under += collider.may_be_under(t, {middle.x, -0.08f, 0.0f});
+    }
+    EXPECT_GT(far, 50);
+    EXPECT_EQ(under, 0);
 }
 
 }  // namespace

@@ -27,7 +27,7 @@ BENT = ("compression", "folded", "smoothing")  # what of these the bending of a 
 THIRTIETH = 1.0 / 30.0  # s: what substeps divide
 LEAST_BEND = 4.0  # radius of lines that folds may run along, over their wavelength; from four times that on all do
 # Metres: skin that is farther from cloth at rest is not under it: an arm that is animated into the flank of a shirt.
-WORN_WITHIN = 0.15
+WORN_WITHIN = 0.12
 DOLL, GIANT = 0.4, 3.0  # metres, diagonal of a garment: smaller and larger ones hang as these do, to scale
 
 

@@ -17,8 +17,8 @@ typedef struct rumple_collider rumple_collider;
 
 // positions: (b, 3), any pose, finite. triangles: (triangles, 3), at least one, 0..b - 1.
 // rest: (b, 3) or none: where they are while the cloth is as at rest. A triangle whose middle is farther than
-// worn_within from a place of the cloth there is not under that place, wherever it is posed; one that is not
-// finite there is under any.
+// worn_within from a place of the cloth there, or whose outer side faces away from that, is not under that
+// place, wherever it is posed; one that is not finite there is under any.
 // Cost: O(n log^2 n).
 RUMPLE_API rumple_status rumple_collider_build(const float* positions, size_t positions_count,
                                                const int32_t* triangles, size_t triangles_count,

@@ -21,6 +21,10 @@ constexpr float kFacing = 0.1f;
 constexpr float kBeside = 0.6f;
 constexpr float kAbove = 0.85f;
 
+// Cloth at rest may be so far behind the plane of a triangle that is under it: shares of their distance, for
+// bodies are round, and of that within which they are worn, for cloth may be modelled in them.
+constexpr float kBehind = 0.25f, kDeep = 0.125f;
+
 // Fewer of a body are in their boxes in a tenth of a millisecond, on one thread.
 constexpr size_t kTrianglesForTeam = 5'000;
 
@@ -53,6 +57,8 @@ Collider::Collider(std::span<const Vec3> positions, std::span<const std::array<I
         expect_count("rest", rest.size(), positions.size(), "vertices");
         expect_within("worn_within", worn_within, 0.0, kFarthestCoordinate);
         rest_centre_ = centres_of(rest, triangles_);
+        for (const auto& [a, b, c] : triangles_)
+            rest_normal_.push_back(unit_or_zero(glm::cross(rest[b] - rest[a], rest[c] - rest[a])));
     }
     hierarchy_ = build_packets(centres_of(positions, triangles_));
     mark_borders();
@@ -83,6 +89,15 @@ void Collider::mark_borders() {
         border_edges_[sides[i].triangle] |= static_cast<std::uint8_t>(1 << sides[i].k);
         border_vertex_[sides[i].a] = border_vertex_[sides[i].b] = 1;
     }
+}
+
+// What is not finite is under any cloth.
+bool Collider::may_be_under(Index triangle, const Vec3& worn_at) const {
+    if (rest_centre_.empty()) return true;
+    const Vec3 apart = worn_at - rest_centre_[triangle];
+    const float distance = glm::length(apart);
+    const float behind = -glm::dot(apart, rest_normal_[triangle]);
+    return !(distance > worn_within_ || behind > kBehind * distance + kDeep * worn_within_);
 }
 
 void Collider::find_parts() {
@@ -131,13 +146,6 @@ Vec3 PosedCollider::normal_of(const Best& best) const {
     return unit_or_zero(mixed(best.weights, normal[t[0]].vec(), normal[t[1]].vec(), normal[t[2]].vec()));
 }
 
-// What is not finite is near.
-bool PosedCollider::is_worn(Index triangle, const Vec3* worn_at) const {
-    if (!worn_at || collider_.rest_centre_.empty()) return true;
-    const Vec3 apart = collider_.rest_centre_[triangle] - *worn_at;
-    return !(glm::dot(apart, apart) > collider_.worn_within_ * collider_.worn_within_);
-}
-
 // Takes what is nearer than the best, among equals the lowest triangle: so the order of looking does not
 // count. counts(packet): which of its triangles do.
 template <typename Counts>
@@ -149,7 +157,7 @@ void PosedCollider::look_at(const PosedPackets::Packet& packet, const PacketHier
     for_each_true(counting & (found.squared <= all_lanes(best.squared)), [&](int k) {
         if (found.squared[k] > best.squared) return;
         if (found.squared[k] == best.squared && triangles[k] >= best.triangle) return;
-        if (!is_worn(triangles[k], worn_at)) return;
+        if (worn_at && !collider_.may_be_under(triangles[k], *worn_at)) return;
         const float v = found.at.v[k], w = found.at.w[k];
         best = {found.squared[k], triangles[k], {1.0f - v - w, v, w}};
     });

@@ -15,9 +15,8 @@ namespace rumple {
 class Collider {
   public:
     // positions: (any pose), object units. triangles: counter-clockwise seen from outside.
-    // rest: of the same vertices, where the cloth is modelled on them, or empty. A triangle whose middle is
-    // farther than `worn_within` from a place of the cloth there is not under that place. Where it is not
-    // finite it is under any.
+    // rest: of the same vertices, where the cloth is modelled on them, or empty: it tells what may be under a
+    // place of the cloth. Where it is not finite it is under any.
     // Throws InvalidInput: no triangle, an index out of range, a position that is not finite.
     // Cost: O(n log^2 n).
     Collider(std::span<const Vec3> positions, std::span<const std::array<Index, 3>> triangles,
@@ -26,6 +25,10 @@ class Collider {
     Index vertex_count() const { return vertex_count_; }
     Index triangle_count() const { return static_cast<Index>(triangles_.size()); }
 
+    // Whether a triangle may be under cloth that is there at rest: where its middle is not farther than
+    // `worn_within`, and its outer side does not face away from the cloth. The far side of an arm beside a
+    // shirt does.
+    bool may_be_under(Index triangle, const Vec3& worn_at) const;
     // Middle of a triangle at rest; nullptr where no rest is known.
     const Vec3* rest_of(Index triangle) const {
         return rest_centre_.empty() ? nullptr : &rest_centre_[triangle];
@@ -41,9 +44,9 @@ class Collider {
     std::vector<std::array<Index, 3>> triangles_;
     std::vector<std::uint8_t> border_edges_;  // per triangle: bit k, the edge from corner k is a border
     std::vector<std::uint8_t> border_vertex_;
-    std::vector<Index> part_;        // per triangle: the connected part of the bodies that it is of
-    PacketHierarchy hierarchy_;      // of the triangles
-    std::vector<Vec3> rest_centre_;  // per triangle, or empty
+    std::vector<Index> part_;    // per triangle: the connected part of the bodies that it is of
+    PacketHierarchy hierarchy_;  // of the triangles
+    std::vector<Vec3> rest_centre_, rest_normal_;  // per triangle, or empty; unit or zero
     float worn_within_ = 0.0f;
 };
 
@@ -109,7 +112,6 @@ class PosedCollider {
     template <typename Counts>
     void look_at(const PosedPackets::Packet& packet, const PacketHierarchy::Triangles& triangles,
                  const Vec3& p, const Counts& counts, Best& best, const Vec3* worn_at = nullptr) const;
-    bool is_worn(Index triangle, const Vec3* worn_at) const;
     BodyContact contact_at(const Best& best, const Vec3& p, const Vec3& normal) const;
     Vec3 point_of(const Best& best) const;
     Vec3 normal_of(const Best& best) const;

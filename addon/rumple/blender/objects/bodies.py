@@ -190,7 +190,7 @@ def read(obj: bpy.types.Object, evaluated: bpy.types.Object, depsgraph: bpy.type
     if not surfaces:
         return None
     joined = _joined_triangles((compat.session_key(obj), depsgraph.mode), surfaces, lambda: [
-        bodies_at_rest.of(obj, body, len(surface.positions)) for body, surface in read_now if surface is not None])
+        bodies_at_rest.of(obj, body, surface) for body, surface in read_now if surface is not None])
     return Body(np.concatenate([surface.positions for surface in surfaces]), joined.triangles, joined.digest,
                 joined.rest)
 

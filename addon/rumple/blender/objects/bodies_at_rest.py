@@ -7,24 +7,25 @@ import bpy
 import numpy as np
 
 from ...core import transforms
-from ...core.body import is_worn_at_rest
+from ...core.body import Body, is_worn_at_rest, side
 from . import mesh_reader, rig_scale
 
 OTHER_SHAPES = ("FRAME", "SHAPE_KEY")  # of a garment at rest, which its armature has not in its rest position
 
 
-def of(garment: bpy.types.Object, body: bpy.types.Object, count: int) -> np.ndarray | None:
-    """(count, 3) float32, the vertices of a body that follows the armature of a garment, object space of the garment.
-    None where that is not known: of a prop, of a mesh with other vertices, of clothes with folds."""
+def of(garment: bpy.types.Object, body: bpy.types.Object, posed: Body) -> np.ndarray | None:
+    """(b, 3) float32, the vertices of a body that follows the armature of a garment, object space of the garment.
+    posed: as it is in a frame. None where that is not known: of a prop, of a mesh with other vertices, of clothes with
+    folds, of what is mirrored in the frame."""
     if not armatures(garment) & armatures(body) or _rest_shape(garment) in OTHER_SHAPES:
         return None
     rest = mesh_reader.rest_positions(body, "REST_POSE", "")
-    if len(rest) != count or not np.isfinite(rest).all():
+    if len(rest) != len(posed.positions) or not np.isfinite(rest).all():
         return None
     scale = np.float32(rig_scale.of_rest(garment, "REST_POSE"))
     into = np.array(garment.matrix_world.inverted_safe() @ body.matrix_world, np.float32)
     rest, cloth = transforms.placed(into, rest), mesh_reader.rest_positions(garment, "REST_POSE", "")
-    return scale * rest if is_worn_at_rest(cloth, rest) else None
+    return scale * rest if side(rest, posed.triangles) >= 0 and is_worn_at_rest(cloth, rest) else None
 
 
 def armatures(obj: bpy.types.Object) -> set[bpy.types.Object]:
