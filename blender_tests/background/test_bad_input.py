@@ -8,7 +8,8 @@ from typing import Any
 
 import bpy
 import numpy as np
-from rumple.blender.objects import modifier, runtimes
+from rumple.blender import scheduler
+from rumple.blender.objects import guide_curves, modifier, runtimes
 from support import sleeve
 
 SQUARE = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)]
@@ -103,6 +104,51 @@ class BadInput:
         torn.data[2].co.y = 1.0
         sleeve.at(4)
         self.assertEqual(obj.rumple.message, "")
+
+
+    def hang(self) -> bpy.types.Object:
+        """A sleeve of cloth."""
+        obj = sleeve.scene(wrinkles=False)
+        settings = getattr(obj.rumple, self.method.lower())
+        settings.base_cloth = "HANG"
+        sleeve.make_active(obj)
+        bpy.ops.object.rumple_add(method=self.method)
+        sleeve.at(2)
+        return obj
+
+    def told(self, obj: bpy.types.Object, words: str) -> None:
+        bpy.context.view_layer.update()
+        scheduler.sync_all()
+        sleeve.at(3)
+        self.assertRegex(obj.rumple.message, words)
+
+    def test_painted_values_that_cannot_be_are_named(self) -> None:
+        for value in (math.nan, -5.0):
+            obj = self.hang()
+            painted = obj.data.attributes.new("Rumple Follow", "FLOAT", "POINT")
+            painted.data.foreach_set("value", np.full(len(obj.data.vertices), value, np.float32))
+            obj.data.update()
+            self.told(obj, f"^Sleeve: what is painted as follow holds {value:g}, where 0 to 1 is possible: paint it")
+
+    def test_what_is_far_away_at_rest_is_named(self) -> None:
+        obj = self.hang()
+        obj.data.vertices[5].co.x = 1e12
+        obj.data.update()
+        self.told(obj, r"^Sleeve: vertex 5 is 1e\+12 away from the origin at rest: move the mesh to the origin")
+
+    def test_lengths_that_a_scale_makes_extreme_are_named(self) -> None:
+        obj = self.hang()
+        obj.scale = (1e-12,) * 3
+        bpy.data.objects["Arm"].scale = (1e-12,) * 3
+        self.told(obj, r"^Sleeve: \w+ is \S+ in units of the object, where \S+ to \S+ is possible: look at the object")
+
+    def test_a_guide_with_a_point_that_is_nowhere_is_named(self) -> None:
+        """It was told that NaN is no integer."""
+        obj = self.hang()
+        bpy.ops.object.rumple_guide_add()
+        guide = guide_curves.of(obj)[0]
+        guide.data.splines[0].bezier_points[0].co.x = math.nan
+        self.told(obj, f'^Sleeve: the guide "{guide.name}" has a point without a valid place: delete that point')
 
 
 class BadInputOfMesh(BadInput, unittest.TestCase):

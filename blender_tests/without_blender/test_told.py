@@ -59,6 +59,27 @@ class Told(unittest.TestCase):
     def test_what_the_library_refuses_is_told_with_what_to_do(self) -> None:
         self.assertEqual([sentence for _pattern, sentence in wording.SENTENCES if not ADVICE.search(sentence)], [])
 
+    def test_no_name_of_an_array_is_left(self) -> None:
+        """What the library says of what artists can have: each reached the panel as it stands here."""
+        for raw, expected in (
+                ("positions_rest: vertex 5 is 1e+12 away from the origin, more than 1e+08: move the mesh to the "
+                 "origin, or scale it down", "Rag: vertex 5 is 1e+12 away from the origin at rest"),
+                ("radius: number 0: expected 0 to 1, got nan", "Rag: what is painted as radius holds nan, where 0"),
+                ("mask: number 7: expected 0 to 1000, got -5", "Rag: what is painted as mask holds -5, where 0"),
+                ("room: expected 0 to 1e+09, got 3e+10", "Rag: room is 3e+10 in units of the object, where 0 to 1e+09"),
+                ("width: expected a value above 0 to 1e+06, got 0", "Rag: width is 0 in units of the object, where 0"),
+                ("width: folds of 1e-05 can start at more than 100000 places of this mesh, and a frame would take "
+                 "minutes: raise the width", "Rag: folds of 1e-05 can start at more than 100000 places of this mesh"),
+                ("world_from_object: it has no inverse, or is not finite", "Rag: its scale is zero in this frame"),
+                ("segments: 40000 make more corners than can be counted", "Rag: 40000 segments make more corners"),
+                ("levels: 12 levels make more corners than can be counted", "Rag: 12 levels make more corners"),
+                ("positions: the frame is so far from the rest shape, or a setting so extreme, that its result is not "
+                 "finite", "Rag: this frame is so far from the rest shape"),
+                ("OpenSubdiv cannot refine this mesh", "Rag: its faces cannot be subdivided")):
+            said = str(wording.user_error("Rag", ValueError(raw)))
+            self.assertTrue(said.startswith(expected), said)
+            self.assertNotRegex(said, r"\w_\w|: \w+: ")
+
 
 if __name__ == "__main__":
     unittest.main()

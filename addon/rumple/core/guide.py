@@ -70,7 +70,8 @@ MESSAGES = tuple((re.compile(pattern), anchor) for pattern, anchor in (
      r"|rest wrinkle of|away from the origin|other vertices in renders|leaves no faces"
      r"|find their places|collides with it|parented to vertices|shows no waves|Use Limit Surface|has no faces"
      r"|differs by axes|so renders do not see|stand at one place|nothing to wrinkle|: seams: "
-     r"|vertices without a face|meet only in a point"
+     r"|vertices without a face|meet only in a point|in units of the object|than can be counted|cannot be subdivided"
+     r"|no fold can be computed|can start at more than"
      r"|of zero (?:length|area)", "the-mesh-and-its-modifiers"),
     (r"renders show its folds one frame late|custom normals|lets lists grow only", "known-limits"),
     (r"nothing to bake|has no frame|is before the first|was never saved|clip is not deleted|is kept, |Bake cancelled",
@@ -79,7 +80,7 @@ MESSAGES = tuple((re.compile(pattern), anchor) for pattern, anchor in (
     (r"stored frame|not enough memory", "solver-and-stored-frames"),
     (r"force field of this type|Independent Frames on, cloth", "swing"),
     (r"^Layers need", "cloth"),
-    (r"of a guide|a guide is", "guides"),
+    (r"of a guide|a guide is|the guide \"", "guides"),
     (r"this preset|these settings|not known here", "presets"),
     (r"profile curve|makes the waves geometry", "waves-and-relaxation"),
     (r"no height to go by", "wrinkle-paths"),

@@ -35,6 +35,26 @@ SENTENCES = [(re.compile(pattern), sentence) for pattern, sentence in (
      r"again"),
     (r"rest_wrinkle: (vertex \d+) has length (.*)",
      r"the painted rest wrinkle of \1 has length \2: press Clear in the panel Rest Wrinkles and paint it again"),
+    (r"positions_rest: (vertex \d+) is (\S+) away from the origin.*",
+     r"\1 is \2 away from the origin at rest: move the mesh to the origin, or scale it down"),
+    (r"positions: the frame is so far from the rest shape.*",
+     "this frame is so far from the rest shape, or a setting so extreme, that no fold can be computed: look at what "
+     "moves it, and at its settings"),
+    (r"world_from_object: .*",
+     "its scale is zero in this frame, or not a number: give it one, or hide the object there"),
+    (r"width: (folds of \S+) can start at more than (\d+) .*",
+     r"\1 can start at more than \2 places of this mesh, and a frame would take minutes: raise the Width"),
+    (r"(radius|prestretch|bending|inside|drape|folds|detail|follow|room|mask|wavelength|smooth|rigid): number \d+: "
+     r"expected (\S+) to (\S+), got (\S+)",
+     r"what is painted as \1 holds \4, where \2 to \3 is possible: paint it again, or take it away in the panel "
+     r"Paint"),
+    (r"(\w+): expected (?:a value above )?(\S+) to (\S+), got (\S+)",
+     r"\1 is \4 in units of the object, where \2 to \3 is possible: look at the object's scale, the scene's unit and "
+     r"that setting"),
+    (r"(levels|segments): (\d+).* more corners than can be counted",
+     r"\2 \1 make more corners than can be counted: choose fewer"),
+    (r"OpenSubdiv cannot refine this mesh",
+     "its faces cannot be subdivided: use Mesh > Clean Up > Degenerate Dissolve"),
     (r"paint\.(\w+): (.*)", r"what is painted as \1 cannot be taken: \2. Paint it again"),
     (r"uv: (corner \d+) is not finite", r"the UV map has no valid place at \1: unwrap the mesh there again"),
 )]

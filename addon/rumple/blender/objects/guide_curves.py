@@ -13,6 +13,7 @@ import numpy as np
 from mathutils.geometry import interpolate_bezier
 
 from ...core import transforms
+from ...core.engine import UserError
 from ...core.fold_guides import DIRECTION, KINDS, PUCKER, Guide
 from .. import compat, scheduler
 from . import incoming_mesh, runtimes, units
@@ -87,7 +88,8 @@ def note_updates(garment: bpy.types.Object, touched: set[int]) -> None:
 
 
 def read(garment: bpy.types.Object, rest_of: Callable[[], np.ndarray]) -> np.ndarray | None:
-    """The rows of all guides; None where there are none. rest_of: gives (n, 3) positions of the incoming mesh."""
+    """The rows of all guides; None where there are none. rest_of: gives (n, 3) positions of the incoming mesh. Raises
+    UserError."""
     scene = units.scene_of(garment)
     # Lengths are kept in the scene's units.
     scale = scene.unit_settings.scale_length / (units.metres_per_unit(garment, scene) or 1.0)
@@ -97,6 +99,9 @@ def read(garment: bpy.types.Object, rest_of: Callable[[], np.ndarray]) -> np.nda
         kind = [identifier for identifier, *_ in KINDS].index(about.kind)
         for points in _lines(guide.data):
             points[:, :3] = transforms.placed(matrix, points[:, :3])
+            if not np.isfinite(points).all():
+                raise UserError(f"{garment.name}: the guide \"{guide.name}\" has a point without a valid place: delete "
+                                "that point")
             spacing = about.reach if kind == DIRECTION else about.spacing
             line = Guide(points[:, :3], points[:, 3], kind, about.count, scale * spacing, scale * about.depth,
                          about.others)
