@@ -46,24 +46,6 @@ class Places(Worn):
             sleeve.at(1)
             self.assertGreater(outward(solved_body(self.obj)), 1e-4)
 
-    def test_its_rest_is_known_where_it_follows_the_same_armature(self) -> None:
-        placed(self.body, (0.1, 0.0, 0.0), (0.0, 0.0, 0.0), (1.0, 1.0, 1.0))
-        self.obj.rumple.body = self.body
-        sleeve.at(12)
-        rest = compat.positions(self.body.data) + np.array((0.1, 0.0, 0.0), np.float32)
-        np.testing.assert_allclose(solved_body(self.obj).rest, rest, atol=1e-6)
-        placed(self.body, (3.0, 0.0, 0.0), (0.0, 0.0, 0.0), (1.0, 1.0, 1.0))
-        self.body.data.update()  # as an edit of it: its rest is read again
-        sleeve.at(13)
-        self.assertIsNone(solved_body(self.obj).rest, "the garment was not modelled on it")
-
-    def test_the_rest_of_what_follows_no_armature_is_not_known(self) -> None:
-        for m in list(self.body.modifiers):
-            self.body.modifiers.remove(m)
-        self.obj.rumple.body = self.body
-        sleeve.at(12)
-        self.assertIsNone(solved_body(self.obj).rest)
-
     def test_curves_texts_and_metaballs_are_bodies_hidden_or_not(self) -> None:
         """They were silently left out. As Blender converts them to a mesh; each is 5 centimetres around."""
         made = {"CURVE": bpy.ops.curve.primitive_bezier_circle_add, "SURFACE":

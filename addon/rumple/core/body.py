@@ -10,7 +10,6 @@ import numpy as np
 
 INSIDE = 0.03  # volume over area^1.5 from which a surface has an inside, as for garments (heal_winding.cpp)
 CLOSED_INSIDE = 0.005  # the same where it is nearly closed: whole bodies have 0.026 to 0.047, a long pole 0.018
-SOME, NEAR = 200, 0.25  # vertices that are asked; of the garment's diagonal: half of them have the body as near
 NEARLY_CLOSED = 0.2  # opening over area; bodies with a hole at the neck 0.05, a bowl 0.5
 
 
@@ -36,11 +35,10 @@ class Body:
 class OwnSkin:
     """Skin in the mesh of a garment: the garment's own body."""
 
-    def __init__(self, triangles: np.ndarray, rest: np.ndarray | None = None) -> None:
-        """triangles: (t, 3) int32, vertices of the garment's mesh. rest: of that mesh, (n, 3) float32."""
+    def __init__(self, triangles: np.ndarray) -> None:
+        """triangles: (t, 3) int32, vertices of the garment's mesh."""
         self.triangles = triangles
         self._vertices, rows = np.unique(triangles, return_inverse=True)
-        self._rest = None if rest is None else rest[self._vertices]
         self._own = np.ascontiguousarray(rows.reshape(-1, 3), np.int32)  # rows of _vertices
         self._joined: tuple[Body | None, Body] | None = None  # with which body, and what it became
 
@@ -61,8 +59,7 @@ class OwnSkin:
         return replace(self._joined[1], positions=np.ascontiguousarray(places, np.float32))
 
     def _rest_with(self, body: Body | None) -> np.ndarray | None:
-        own = [(len(self._vertices), self._rest)]
-        return joined_rest(own if body is None else [*own, (len(body.positions), body.rest)])
+        return None if body is None else joined_rest([(len(self._vertices), None), (len(body.positions), body.rest)])
 
 
 def digest_of_triangles(triangles: np.ndarray, rest: np.ndarray | None = None) -> bytes:
@@ -79,17 +76,6 @@ def joined_rest(parts: list[tuple[int, np.ndarray | None]]) -> np.ndarray | None
         return None
     unknown = [np.full((count, 3), np.nan, np.float32) if rest is None else rest for count, rest in parts]
     return np.ascontiguousarray(np.concatenate(unknown), np.float32)
-
-
-def is_worn_at_rest(cloth: np.ndarray, body: np.ndarray) -> bool:
-    """Whether a garment (n, 3) was modelled on a body (b, 3), both at rest: half of it is near. Where it was not, the
-    body's place at rest tells nothing."""
-    some = cloth[::max(len(cloth) // SOME, 1)]
-    if not len(some) or not len(body):
-        return False
-    near = NEAR * float(np.linalg.norm(np.ptp(some, axis=0)))
-    nearest = [float(np.square(body - place).sum(axis=1).min()) for place in some]
-    return bool(np.median(nearest) < near * near)
 
 
 def same_at_rest(one: Body | None, other: Body | None) -> bool:

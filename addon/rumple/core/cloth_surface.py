@@ -110,7 +110,7 @@ def _taken(base: BaseMesh, parts: np.ndarray, skin: np.ndarray, stays: np.ndarra
     turned = np.concatenate([np.roll(triangles, -k, axis=1) for k in range(3)])
     place = np.unique(turned[:, 0], return_index=True)[1]  # every vertex of a polygon is in one of its triangles
     numbers, part = np.unique(parts[vertex], return_inverse=True)
-    own_skin = OwnSkin(triangles[skin[parts[triangles[:, 0]]]], base.positions)
+    own_skin = OwnSkin(triangles[skin[parts[triangles[:, 0]]]])
     return RigidParts(part.ravel().astype(np.int32), skin[numbers], stays[numbers], own_skin,
                       vertex.astype(np.int32), turned[place].astype(np.int32),
                       np.searchsorted(vertex, sides).astype(np.int32),

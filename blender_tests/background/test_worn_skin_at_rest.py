@@ -1,0 +1,49 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Where bodies are while their garment is as at rest: known for skin that follows the same armature."""
+from __future__ import annotations
+
+import unittest
+
+import numpy as np
+from rumple.blender import compat
+from support import sleeve
+from support.worn_sleeve import Worn, placed, solved_body
+
+NOT_TURNED, AS_LARGE = (0.0, 0.0, 0.0), (1.0, 1.0, 1.0)
+
+
+class AtRest(Worn):
+
+    def longer(self) -> None:
+        """Most of the body is bare: it is three times as long as the sleeve."""
+        for vertex in self.body.data.vertices:
+            vertex.co.x *= 3.0
+
+    def test_it_is_known_where_skin_is_bare_and_follows_the_same_armature(self) -> None:
+        self.longer()
+        placed(self.body, (0.02, 0.0, 0.0), NOT_TURNED, AS_LARGE)
+        self.obj.rumple.body = self.body
+        sleeve.at(12)
+        rest = compat.positions(self.body.data) + np.array((0.02, 0.0, 0.0), np.float32)
+        known = solved_body(self.obj).rest
+        bare = np.isfinite(known).all(axis=1)
+        np.testing.assert_allclose(known[bare], rest[bare], atol=1e-6)
+        covered = (rest[:, 0] > 0.1) & (rest[:, 0] < compat.positions(self.obj.data)[:, 0].max() - 0.1)
+        self.assertTrue(bare.any() and covered.any())
+        self.assertFalse(bare[covered].any())
+
+    def test_it_is_not_known_of_what_the_garment_was_not_modelled_on(self) -> None:
+        placed(self.body, (9.0, 0.0, 0.0), NOT_TURNED, AS_LARGE)
+        self.obj.rumple.body = self.body
+        sleeve.at(13)
+        self.assertIsNone(solved_body(self.obj).rest)
+
+    def test_nor_of_what_follows_no_armature(self) -> None:
+        self.body.modifiers.clear()
+        self.obj.rumple.body = self.body
+        sleeve.at(12)
+        self.assertIsNone(solved_body(self.obj).rest)
+
+
+if __name__ == "__main__":
+    unittest.main()
