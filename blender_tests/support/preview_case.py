@@ -7,10 +7,11 @@ from typing import Iterator
 
 import bpy
 import numpy as np
+import rumple_native as native
 from rumple.blender.objects import runtimes
 from rumple.blender.viewport import preview
 from rumple.core.frame_result import FrameResult
-from support import sleeve
+from support import gpu_waves, sleeve
 from support.window_case import WindowCase
 
 
@@ -72,6 +73,12 @@ class PreviewCase(WindowCase):
         (held,) = preview._on_gpu.values()
         return held
 
+    def drawn_at(self, frame: int) -> Iterator[float]:
+        """The scene there, and on the GPU."""
+        sleeve.at(frame)
+        self.area.tag_redraw()
+        yield from self.until_drawn(frame)
+
     def until_drawn(self, frame: float) -> Iterator[float]:
         """Until the GPU holds what was solved last, of this frame."""
         yield from self.until(lambda: preview._on_gpu and self.held().inputs is not None
@@ -88,6 +95,16 @@ class PreviewCase(WindowCase):
 
         self.addCleanup(setattr, of, name, function)
         setattr(of, name, called)
+
+    def engines_fullness(self, atol: float) -> np.ndarray:
+        """(w,) of the waves that the GPU holds, which must be those of the engine. Of a Wrinkle Field."""
+        fine, inputs = runtimes.of(self.obj).evaluator, runtimes.of(self.obj).inputs
+        expected = native.estimate_waves_wrinkle_field(
+            fine.model, fine._native_settings(inputs.settings), fine._paint,
+            fine.solved_over(inputs.frame, inputs.positions), fine.wrinkles_of(inputs.frame)).fullness
+        fullness = gpu_waves.estimated(self.held().drawing.waves)[1][:, 2]
+        np.testing.assert_allclose(fullness**2, expected**2, atol=atol, err_msg=str(inputs.frame))
+        return fullness
 
     def in_renders(self) -> FrameResult:
         """The frame that the GPU holds, as renders show it."""

@@ -96,6 +96,17 @@ class WrinkleField(Wrinkles):
         """(w, 3) of every welded vertex in the pose of a WrinkleFieldState; empty unless the rest shape adapts."""
         return kernels.reference_stretches(self.model, state, positions)
 
+    def share_with_place(self, settings: FieldSettings, positions: np.ndarray, state: Any) -> np.ndarray | None:
+        """(w,) 0..1: what of the waves of every welded vertex does not run along a line that bends, for its shaders
+        look for none; None: all, as without a base cloth. positions: (n, 3) that they lie on. state: of the pose."""
+        options = self._native_settings(settings)
+        if options.bend_radius == 0.0:
+            return None
+        straight = kernels.estimate_waves_wrinkle_field(self.model, options, self._paint, positions, state).fullness
+        options.bend_radius = 0.0
+        whole = kernels.estimate_waves_wrinkle_field(self.model, options, self._paint, positions, state).fullness
+        return np.divide(straight, whole, out=np.ones_like(whole), where=whole > 0.0)
+
     def _reads_time(self, settings: FieldSettings) -> bool:
         return settings.adapts
 

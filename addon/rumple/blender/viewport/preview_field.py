@@ -84,10 +84,14 @@ class GpuField:
         self._strength, self._rate = float(settings.strength), float(settings.rate)
         self._threshold = float(settings.buckling_threshold)
         self._dissolves = bool(settings.dissolve)
-        wavelength = np.where(self._has_frame, wave_parameters.wavelength, 0.0)
-        self._vertices = upload(np.column_stack((self._first, self._counts, wavelength, wave_parameters.mask)))
+        self._wavelength = np.where(self._has_frame, wave_parameters.wavelength, 0.0)
+        self._mask = wave_parameters.mask
+        self._upload_vertices(self._mask)
         self._wave_parameters = upload(np.column_stack((wave_parameters.rest_wrinkle, wave_parameters.turn)))
         self.profile = upload(np.column_stack((profile.height, profile.slope)))
+
+    def _upload_vertices(self, mask: np.ndarray) -> None:
+        self._vertices = upload(np.column_stack((self._first, self._counts, self._wavelength, mask)))
 
     def begin(self, phase: np.ndarray, direction: np.ndarray, solved_offset: np.ndarray | None = None) -> None:
         """The state of the frame before, as a WrinkleFieldState has it. Without solved_offset no vertex is held."""
@@ -101,11 +105,16 @@ class GpuField:
         """Let no vertex be held in the next frame."""
         self._start_solved = upload(np.full((self._links[0].count, 1), _NEVER, np.float32))
 
-    def pose(self, positions: np.ndarray, normals: np.ndarray, stretches: np.ndarray | None = None) -> None:
-        """Welded vertices of this frame, (w, 3) both. All that a frame uploads, unless the rest shape adapts.
+    def pose(self, positions: np.ndarray, normals: np.ndarray, stretches: np.ndarray | None = None,
+             place: np.ndarray | None = None) -> None:
+        """Welded vertices of this frame, (w, 3) both. All that a frame uploads, unless the rest shape adapts, or the
+        waves lie on a base cloth.
 
         stretches: (w, 3) of reference_stretches of the native side; empty or None where it does not.
+        place: (w,) of WrinkleField.share_with_place(); None: all.
         """
+        if place is not None:
+            self._upload_vertices(self._mask * place)
         self._positions, self._normals = upload(positions), upload(normals)
         self._stretches = upload(stretches) if stretches is not None and len(stretches) else None
 
@@ -210,10 +219,12 @@ class Drawing:
             self.waves.begin(state.phase, state.direction, state.solved_offset)
         elif before.settings != inputs.settings:
             self.waves.hold_none()
-        state = fine.wrinkles_of(inputs.frame) if inputs.settings.adapts else None
+        settings = inputs.settings
+        state = fine.wrinkles_of(inputs.frame) if settings.adapts or settings.base_cloth != "OFF" else None
         positions = fine.solved_over(inputs.frame, inputs.positions)
         welded, normals = self._model.weld_pose(positions)
-        self.waves.pose(welded, normals, fine.reference_stretches(state, positions) if state is not None else None)
+        self.waves.pose(welded, normals, fine.reference_stretches(state, positions) if state is not None else None,
+                        fine.share_with_place(settings, positions, state))
         self.waves.estimate_waves()
         self.waves.relax(inputs.settings.rounds if goes_on else 0)
         self.waves.dissolve()
