@@ -20,10 +20,10 @@ float reach(const CoverSettings& settings) {
 
 // How far a point of the surface has to go outwards.
 float lift_of(const CoverSettings& settings, const PosedCollider& bodies, const Vec3& point,
-              const Vec3& normal, Index hint) {
+              const Vec3& normal, const Vec3& rest, Index hint) {
     const float length = glm::length(normal);
     if (length < kShortestNormal) return 0.0f;
-    const BodyContact body = bodies.closest_around(point, normal / length, reach(settings), hint);
+    const BodyContact body = bodies.closest_around(point, normal / length, reach(settings), hint, rest);
     if (body.triangle == kNone || body.distance < -settings.depth) return 0.0f;
     return body.weight * std::max(settings.thickness - body.distance, 0.0f);
 }
@@ -61,7 +61,8 @@ std::vector<Vec3> lifts_over(const Surface& surface, const CoverModel& model, co
             if (before[corners[0]] + before[corners[1]] + before[corners[2]] == 0.0f) return;
             const Index hint = hint_at(surface, place.triangle, hints);
             if (hint == kNone) return;
-            lift[s] = lift_of(settings, bodies, points[s], interpolate(surface, place, normals), hint);
+            lift[s] = lift_of(settings, bodies, points[s], interpolate(surface, place, normals),
+                              interpolate(surface, place, surface.positions_rest), hint);
         });
         std::vector<float> more(vertices, 0.0f);
         for (size_t s = 0; s < samples; ++s) {

@@ -86,10 +86,13 @@ class PosedCollider {
     BodyContact closest(const Vec3& p, const Vec3& normal, float reach, Index hint,
                         const Vec3* worn_at = nullptr) const;
 
-    // The same near a triangle, for cloth that is known to lie on that: of those that are near it at rest.
-    BodyContact closest_around(const Vec3& p, const Vec3& normal, float reach, Index triangle) const {
+    // The same of what may be under cloth that is at `worn_at` at rest and is known to lie on a triangle. Where
+    // that one is far from it at rest the cloth hangs free: of what is near that one.
+    BodyContact closest_around(const Vec3& p, const Vec3& normal, float reach, Index triangle,
+                               const Vec3& worn_at) const {
         const bool known = triangle >= 0 && triangle < collider_.triangle_count();
-        return closest(p, normal, reach, triangle, known ? collider_.rest_of(triangle) : nullptr);
+        const bool is_free = known && !collider_.may_be_under(triangle, worn_at);
+        return closest(p, normal, reach, triangle, is_free ? collider_.rest_of(triangle) : &worn_at);
     }
 
     // The same of all connected parts of the bodies but that of a triangle: skin inside a waistband.

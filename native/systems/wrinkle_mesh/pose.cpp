@@ -146,7 +146,8 @@ void find_gaps(const Model& model, const Input& input, Pose& pose) {
         if (hint != kNone) {
             const float reach = kBodyReach * model.local_edge[v] + off;
             const BodyContact body =
-                input.bodies->closest_around(pose.attachment[v], pose.normal[v], reach, hint);
+                input.bodies->closest_around(pose.attachment[v], pose.normal[v], reach, hint,
+                                             interpolate(model.base, place, model.base.positions_rest));
             if (body.triangle != kNone) gap = gap_above(body, off, model.local_edge[v], gap);
             pose.body[v] = body.triangle;
             // Cloth that slides over a heel would go into it behind a plane of its own.

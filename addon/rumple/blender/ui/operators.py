@@ -180,8 +180,8 @@ class OBJECT_OT_rumple_add(bpy.types.Operator):
             return [f"{obj.name}: its thickness is modelled, so it is not made cloth: only a Wrinkle Mesh makes such "
                     "clothes hang, by their outer side"]
         return [f"{obj.name}: it lies over {worn_over.body.name} but is no sheet, as a cape or a flag is, and has "
-                "fewer than two openings, as hats and gloves have, so it is not made cloth: if it is, set Base Cloth to "
-                "Hang"]
+                "fewer than two openings, as hats and gloves have, so it is not made cloth: if it is, set Base Cloth "
+                "to Hang"]
 
     def _set_cloth(self, obj: bpy.types.Object, scene: bpy.types.Scene, lengths: set[str]) -> body_search.WornOver:
         """Make cloth of what is cloth, and look for what it is worn over."""
