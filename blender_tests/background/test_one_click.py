@@ -220,8 +220,8 @@ class Thick(unittest.TestCase):
         vertices, faces = [v.co[:] for v in mesh.vertices], [tuple(p.vertices) for p in mesh.polygons]
         mesh.clear_geometry()
         mesh.from_pydata(vertices, [], [*faces, tuple(range(len(vertices) - sleeve.AROUND, len(vertices)))])
-        self.assertRegex(self.click("MESH")[0], "^Sleeve: it lies over Human but is no sheet, as a cape or a flag is, and "
-                         "has fewer than two openings, as hats and gloves have, so it is not made cloth: if it is, set")
+        self.assertRegex(self.click("MESH")[0], "^Sleeve: it lies over Human but is no sheet, as a cape or a flag is, "
+                         "and has fewer than two openings, as hats and gloves have, so it is not made cloth: if it is, set")
         self.assertEqual(self.obj.rumple.mesh.base_cloth, "OFF")
 
 

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "base/errors.h"
+#include "surface/refine/subdivider.h"
 #include "tests/surface_laws.h"
 
 namespace rumple::tests {
@@ -39,6 +40,28 @@ TEST_P(EveryMesh, StencilsSumToOneAndGoWithTheFineVertices) {
         const auto linear = apply_rows(fine.vertex_from_parent, surface_.positions_rest);
         for (std::size_t v = 0; v < smooth.size(); ++v) EXPECT_LT(glm::length(smooth[v] - linear[v]), 1.3f);
     }
+}
+
+TEST_P(EveryMesh, StencilsAreThoseOfOpenSubdivToTheBit) {
+    // They are summed by our own code, which can be stopped in the middle: OpenSubdiv's one call cannot.
+    if (levels_ == 0) return;
+    const UsedVertices used(surface_.welded);
+    const Refiner refiner = make_refiner(surface_.welded, used);
+    Far::TopologyRefiner::UniformOptions uniform(levels_);
+    uniform.fullTopologyInLastLevel = true;
+    refiner->RefineUniform(uniform);
+    using Factory = Far::StencilTableFactoryReal<double>;
+    Factory::Options options;
+    options.generateIntermediateLevels = false;
+    options.factorizeIntermediateLevels = true;
+    options.generateControlVerts = false;
+    options.maxLevel = unsigned(levels_);
+    const std::unique_ptr<const Far::StencilTableReal<double>> table(Factory::Create(*refiner, options));
+    const SparseRows expected = copy_rows(*table, used.vertex_of);
+    const SparseRows rows = subdivision_stencils(surface_.welded, levels_, false);
+    EXPECT_EQ(rows.start, expected.start);
+    EXPECT_EQ(rows.index, expected.index);
+    EXPECT_EQ(rows.weight, expected.weight);
 }
 
 TEST_P(EveryMesh, PieceSizesFollowTheScheme) {

@@ -78,6 +78,16 @@ std::vector<Crease> creases_of_last_level(const Far::TopologyRefiner& refiner) {
     return creases;
 }
 
+void add_sorted_row(std::vector<std::pair<Index, double>>& entries, SparseRows& rows) {
+    std::sort(entries.begin(), entries.end());
+    for (std::size_t k = 0; k < entries.size(); ++k) {
+        assert(k == 0 || entries[k].first != entries[k - 1].first);
+        const float weight = static_cast<float>(entries[k].second);
+        if (weight != 0.0f) rows.add(entries[k].first, weight);
+    }
+    rows.end_row();
+}
+
 SparseRows copy_rows(const Far::StencilTableReal<double>& table, std::span<const Index> column_of) {
     SparseRows rows;
     std::vector<std::pair<Index, double>> entries;
@@ -88,13 +98,7 @@ SparseRows copy_rows(const Far::StencilTableReal<double>& table, std::span<const
         for (int k = 0; k < stencil.GetSize(); ++k) {
             entries.emplace_back(column_of[stencil.GetVertexIndices()[k]], stencil.GetWeights()[k]);
         }
-        std::sort(entries.begin(), entries.end());
-        for (std::size_t k = 0; k < entries.size(); ++k) {
-            assert(k == 0 || entries[k].first != entries[k - 1].first);
-            const float weight = static_cast<float>(entries[k].second);
-            if (weight != 0.0f) rows.add(entries[k].first, weight);
-        }
-        rows.end_row();
+        add_sorted_row(entries, rows);
     }
     return rows;
 }

@@ -7,6 +7,8 @@
 #include <opensubdiv/far/topologyDescriptor.h>
 
 #include <memory>
+#include <utility>
+#include <vector>
 
 #include "surface/refine/refinement.h"
 
@@ -44,6 +46,9 @@ struct LinearRows {
     std::vector<Index> polygon;  // face -> polygon of the mesh
 };
 LinearRows linear_rows(const Far::TopologyRefiner& refiner, const PolygonMesh& mesh);
+
+// One row more: columns and their weights, which it sorts; zeros are dropped.
+void add_sorted_row(std::vector<std::pair<Index, double>>& entries, SparseRows& rows);
 
 // The rows of an OpenSubdiv table, columns renamed by `column_of`, sorted, zeros dropped.
 SparseRows copy_rows(const Far::StencilTableReal<double>& table, std::span<const Index> column_of);

@@ -11,8 +11,6 @@
 namespace rumple {
 namespace {
 
-using StencilFactory = Far::StencilTableFactoryReal<double>;
-
 void check_levels(const PolygonMesh& parent, Index levels) {
     if (levels < 0 || levels > kMostLevels) {
         throw InvalidInput("levels: expected 0 to " + std::to_string(kMostLevels) + ", got " +
@@ -35,17 +33,89 @@ Refiner refine_uniformly(const PolygonMesh& parent, const UsedVertices& used, In
     return refiner;
 }
 
+// Vertices of a level <- vertices of level 0: the sums that OpenSubdiv's StencilTableFactory makes, in its
+// order, to the bit. That takes most of the time of a large mesh, in one call that nobody can stop.
+class LevelRows {
+  public:
+    // What PrimvarRefiner writes and reads.
+    class Row {
+      public:
+        Row(LevelRows& rows, Index row) : rows_(rows), row_(row) {}
+        void Clear() { rows_.begin(row_); }
+        void AddWithWeight(const Row& from, double weight) {
+            if (weight != 0.0) rows_.add(row_, from.rows_, from.row_, weight);
+        }
+
+      private:
+        LevelRows& rows_;
+        Index row_;
+    };
+
+    explicit LevelRows(Index rows) : begin_(rows), end_(rows) {}
+
+    static LevelRows identity(Index count) {
+        LevelRows rows(count);
+        for (Index v = 0; v < count; ++v) {
+            rows.begin(v);
+            rows.entries_.emplace_back(v, 1.0);
+            rows.end_[v] = rows.entries_.size();
+        }
+        return rows;
+    }
+
+    // PrimvarRefiner takes what it reads as const.
+    Row operator[](Index row) const { return {const_cast<LevelRows&>(*this), row}; }
+
+    SparseRows sorted(std::span<const Index> column_of) const {
+        SparseRows rows;
+        std::vector<std::pair<Index, double>> entries;
+        for (size_t v = 0; v < begin_.size(); ++v) {
+            stop_if_asked(v);
+            entries.assign(entries_.begin() + std::ptrdiff_t(begin_[v]),
+                           entries_.begin() + std::ptrdiff_t(end_[v]));
+            for (auto& [column, weight] : entries) column = column_of[column];
+            add_sorted_row(entries, rows);
+        }
+        return rows;
+    }
+
+  private:
+    void begin(Index row) {
+        stop_if_asked(begun_++);
+        begin_[row] = end_[row] = entries_.size();
+    }
+
+    // from: of these rows, or of the level before. The row is the one that was begun last.
+    void add(Index row, const LevelRows& from, Index from_row, double weight) {
+        for (size_t k = from.begin_[from_row], end = from.end_[from_row]; k < end; ++k) {
+            const auto [column, value] = from.entries_[k];
+            const auto found = std::find_if(entries_.begin() + std::ptrdiff_t(begin_[row]), entries_.end(),
+                                            [&](const auto& entry) { return entry.first == column; });
+            if (found != entries_.end()) {
+                found->second += value * weight;
+            } else {
+                entries_.emplace_back(column, value * weight);
+            }
+        }
+        end_[row] = entries_.size();
+    }
+
+    std::vector<size_t> begin_, end_;  // of each row, in entries_
+    std::vector<std::pair<Index, double>> entries_;
+    size_t begun_ = 0;
+};
+
 // Vertices of the last level <- parent vertices, smooth.
 SparseRows make_rows(const Far::TopologyRefiner& refiner, std::span<const Index> column_of) {
     stop_if_asked();
-    StencilFactory::Options options;
-    options.generateIntermediateLevels = false;
-    options.factorizeIntermediateLevels = true;
-    options.generateControlVerts = false;
-    options.maxLevel = static_cast<unsigned>(refiner.GetMaxLevel());
-    const std::unique_ptr<const Far::StencilTableReal<double>> table(
-        StencilFactory::Create(refiner, options));
-    return copy_rows(*table, column_of);
+    const Far::PrimvarRefinerReal<double> primvars(refiner);
+    LevelRows rows = LevelRows::identity(refiner.GetLevel(0).GetNumVertices());
+    for (int level = 1; level <= refiner.GetMaxLevel(); ++level) {
+        LevelRows next(refiner.GetLevel(level).GetNumVertices());
+        primvars.Interpolate(level, rows, next);
+        rows = std::move(next);
+    }
+    return rows.sorted(column_of);
 }
 
 // Rows that PrimvarRefiner writes by "adding" columns.
@@ -55,7 +125,10 @@ struct Column {
 struct RowBuilder {
     std::vector<std::pair<Index, double>> entries;
 
-    void Clear() { entries.clear(); }
+    void Clear() {
+        stop_if_asked();
+        entries.clear();
+    }
     void AddWithWeight(const Column& column, double weight) { entries.emplace_back(column.index, weight); }
 };
 
@@ -161,6 +234,7 @@ SparseRows subdivision_stencils(const PolygonMesh& parent, Index levels, bool li
     check_levels(parent, levels);
     const UsedVertices used(parent);
     if (limit) return limit_rows(parent, used, levels);
+    if (levels == 0) return copy_parent(parent, used).vertex_from_parent;  // nothing to refine
     return refined_rows(parent, used, *refine_uniformly(parent, used, levels));
 }
 
