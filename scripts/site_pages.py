@@ -23,8 +23,9 @@ BESIDE = {"CHANGELOG.md": "changelog.md", "CONTRIBUTING.md": "contributing.md"} 
 # The contents, in their order; pages of docs/ that are named nowhere come last.
 PARTS = {
     "Begin": ["install", "which_system", "lessons/index", "gallery", "bench"],
-    "Use": ["user_guide", "habits", "farm", "engines", "platforms", "publishing"],
-    "How it works": ["base_cloth", "wrinkle_mesh", "wrinkle_field", "wrinkle_paths", "wrinkle_maps", "gpu_preview"],
+    "Use": ["user_guide", "habits", "farm", "engines", "platforms", "reliability", "publishing"],
+    "How it works": ["base_cloth", "garments", "folds_on_cloth", "cloth_measured", "wrinkle_mesh", "wrinkle_field",
+                     "wrinkle_paths", "wrinkle_maps", "gpu_preview"],
     "Reference": ["reference/c", "reference/python"],
     "The project": ["architecture", "adding_a_system", "contributing", "changelog", "pictures/SOURCES"],
 }

@@ -9,7 +9,7 @@ GRAVITY = 9.81  # m/s^2
 
 @dataclass(frozen=True)
 class Fabric:
-    """What a fabric hangs by: its weight and how stiffly it bends. docs/base_cloth.md has the sources."""
+    """What a fabric hangs by: its weight and how stiffly it bends. docs/folds_on_cloth.md has the sources."""
 
     mass: float  # kg/m^2
     rigidity: float  # of bending, N m: the mean of warp and weft

@@ -86,8 +86,8 @@ class PosedCollider {
     BodyContact closest(const Vec3& p, const Vec3& normal, float reach, Index hint,
                         const Vec3* worn_at = nullptr) const;
 
-    // The same of what may be under cloth that is at `worn_at` at rest and is known to lie on a triangle. Where
-    // that one is far from it at rest the cloth hangs free: of what is near that one.
+    // The same of what may be under cloth that is at `worn_at` at rest and is known to lie on a triangle.
+    // Where that one is far from it at rest the cloth hangs free: of what is near that one.
     BodyContact closest_around(const Vec3& p, const Vec3& normal, float reach, Index triangle,
                                const Vec3& worn_at) const {
         const bool known = triangle >= 0 && triangle < collider_.triangle_count();

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // How much lines that run straight over the surface at rest bend along it in a pose: their geodesic
 // curvature. Cloth is pulled taut along straight lines, so no fold runs along one that bends. Not in the
-// papers: docs/base_cloth.md, "No folds along lines that bend".
+// papers: docs/folds_on_cloth.md, "No folds along lines that bend".
 #pragma once
 
 #include <algorithm>

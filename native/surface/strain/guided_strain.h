@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Where an artist wants folds to run along lines: what the systems read of a pose is turned, so that the
-// strongest compression lies across the lines. Not in the papers: docs/base_cloth.md, "Folds along lines that
-// an artist draws".
+// strongest compression lies across the lines. Not in the papers: docs/folds_on_cloth.md, "Folds along lines
+// that an artist draws".
 #pragma once
 
 #include <memory>
