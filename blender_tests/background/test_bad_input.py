@@ -105,7 +105,6 @@ class BadInput:
         sleeve.at(4)
         self.assertEqual(obj.rumple.message, "")
 
-
     def hang(self) -> bpy.types.Object:
         """A sleeve of cloth."""
         obj = sleeve.scene(wrinkles=False)
