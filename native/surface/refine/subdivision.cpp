@@ -88,13 +88,14 @@ class LevelRows {
     // from: of these rows, or of the level before. The row is the one that was begun last.
     void add(Index row, const LevelRows& from, Index from_row, double weight) {
         for (size_t k = from.begin_[from_row], end = from.end_[from_row]; k < end; ++k) {
-            const auto [column, value] = from.entries_[k];
+            const Index column = from.entries_[k].first;
+            const double share = from.entries_[k].second * weight;
             const auto found = std::find_if(entries_.begin() + std::ptrdiff_t(begin_[row]), entries_.end(),
                                             [&](const auto& entry) { return entry.first == column; });
             if (found != entries_.end()) {
-                found->second += value * weight;
+                found->second += share;
             } else {
-                entries_.emplace_back(column, value * weight);
+                entries_.emplace_back(column, share);
             }
         }
         end_[row] = entries_.size();
