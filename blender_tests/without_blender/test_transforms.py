@@ -14,7 +14,7 @@ ADDON = Path(transforms.__file__).parents[1]
 SOLVED_FROM = ("core/cloth.py", "core/on_cloth.py", "core/body.py", "core/surroundings.py", "core/triangles.py",
                "core/rigid_parts.py", "blender/objects/bodies.py", "blender/objects/mesh_reader.py",
                "blender/objects/posed_coarse.py", "blender/objects/wind.py", "blender/objects/guide_curves.py",
-               "core/fold_guides.py")
+               "blender/objects/bodies_at_rest.py", "core/fold_guides.py", "core/worn_at_rest.py")
 LEFT_TO_LIBRARIES = r"[\w)\]] @ |linalg|np\.dot|einsum|matmul|np\.(cos|sin|tan|arc|hypot|exp|log)"
 
 
