@@ -36,6 +36,7 @@ bool is_smooth(const Polygon& left, const Polygon& right) {
 
 std::vector<std::array<Index, 3>> corners_of(const Surface& surface) {
     std::vector<std::array<Index, 3>> out;
+    out.reserve(surface.triangles.size());
     for (Index t = 0; t < Index(surface.triangles.size()); ++t) out.push_back(welded_vertices(surface, t));
     return out;
 }
@@ -154,6 +155,7 @@ std::vector<bool> inner_sides(const std::vector<Polygon>& polygons, const std::v
         if (opposite != kNone) on[std::minmax(side[p], side[opposite])] += polygons[p].area;
     }
     std::vector<std::pair<double, std::pair<Index, Index>>> pairs;  // the largest first
+    pairs.reserve(on.size());
     for (const auto& [pair, area] : on) pairs.emplace_back(-area, pair);
     std::ranges::sort(pairs);
     SidesOfOthers sides(polygons.size());
