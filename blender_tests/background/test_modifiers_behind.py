@@ -275,6 +275,17 @@ class Linked(unittest.TestCase):
                         np.testing.assert_array_equal(solved, own_solved)
                         np.testing.assert_array_equal(shown, own_shown)
 
+    def linked_in_place_of(self, obj: bpy.types.Object) -> bpy.types.Object:
+        """The sleeve of a library that has this file as it is; the open file has it from there."""
+        for path in (self.library, self.shot):
+            bpy.ops.wm.save_as_mainfile(filepath=path)
+        bpy.data.objects.remove(obj)
+        with bpy.data.libraries.load(self.library, link=True) as (_, wanted):
+            wanted.objects = ["Sleeve"]
+        linked: bpy.types.Object = wanted.objects[0]
+        bpy.context.scene.collection.objects.link(linked)
+        return linked
+
     def test_it_renders_as_in_its_own_file(self) -> None:
         """It was rendered as it stood in the viewport: what is linked keeps the switches of its renders."""
         obj = small_renders.stage("CYCLES")
@@ -285,16 +296,11 @@ class Linked(unittest.TestCase):
         bare.show_render = False
         without = small_renders.still(4)
         bare.show_render = True
-        for path in (self.library, self.shot):
-            bpy.ops.wm.save_as_mainfile(filepath=path)
-        bpy.data.objects.remove(obj)
-        with bpy.data.libraries.load(self.library, link=True) as (_, wanted):
-            wanted.objects = ["Sleeve"]
-        bpy.context.scene.collection.objects.link(wanted.objects[0])
+        linked = self.linked_in_place_of(obj)
         found = small_renders.clip(1, 4)
-        self.assertEqual(runtimes.message(wanted.objects[0]), "")
+        self.assertEqual(runtimes.message(linked), "")
         depsgraph = bpy.context.evaluated_depsgraph_get()
-        for m in wanted.objects[0].evaluated_get(depsgraph).modifiers:
+        for m in linked.evaluated_get(depsgraph).modifiers:
             self.assertEqual((m.show_viewport, m.show_render), (True, True))
         self.assertLessEqual(reference_solve.unlike(found[4], own[4]), render_cases.STRAY)
         self.assertGreater(reference_solve.unlike(without, own[4]), render_cases.OTHER)
@@ -304,12 +310,7 @@ class Linked(unittest.TestCase):
         put_behind(obj, "MASK")
         obj.modifiers.new("Ripples", "WAVE")
         compat.move_modifier(obj, 3, 0)
-        for path in (self.library, self.shot):
-            bpy.ops.wm.save_as_mainfile(filepath=path)
-        bpy.data.objects.remove(obj)
-        with bpy.data.libraries.load(self.library, link=True) as (_, wanted):
-            wanted.objects = ["Sleeve"]
-        bpy.context.scene.collection.objects.link(wanted.objects[0])
+        self.linked_in_place_of(obj)
         printed = io.StringIO()
         with contextlib.redirect_stdout(printed):
             small_renders.still(2)

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import unittest
 
+import bpy
 import numpy as np
 from rumple.blender import compat
+from rumple.blender.objects import bodies
 from support import sleeve
 from support.worn_sleeve import Worn, placed, solved_body
 
@@ -37,6 +39,46 @@ class AtRest(Worn):
         self.obj.rumple.body = self.body
         sleeve.at(13)
         self.assertIsNone(solved_body(self.obj).rest)
+
+    def test_it_is_the_same_in_whatever_frame_it_is_read_first(self) -> None:
+        """What carries both moves: by the matrices of a frame, rest would differ in its last bits from frame to frame."""
+        self.longer()
+        carrier = bpy.data.objects.new("Carrier", None)
+        bpy.context.scene.collection.objects.link(carrier)
+        for obj in (self.obj, self.body):
+            obj.parent = carrier
+        for frame, turn in ((1, 0.0), (20, 1.3)):
+            carrier.location, carrier.rotation_euler = (turn, 0.1 * turn, 0.0), (turn, 0.3 * turn, 2.0 * turn)
+            for path in ("location", "rotation_euler"):
+                carrier.keyframe_insert(path, frame=frame)
+        self.obj.rumple.body = self.body
+        found = []
+        for frame in (3, 14):
+            bodies.forget_all()
+            sleeve.at(frame)
+            found.append(solved_body(self.obj).rest)
+        np.testing.assert_array_equal(*found)
+
+    def test_it_is_not_known_where_one_of_the_objects_is_animated(self) -> None:
+        self.longer()
+        for frame in (1, 20):
+            self.body.location.x = 0.001 * frame
+            self.body.keyframe_insert("location", frame=frame)
+        self.obj.rumple.body = self.body
+        sleeve.at(12)
+        self.assertIsNone(solved_body(self.obj).rest)
+
+    def test_a_body_that_is_placed_elsewhere_is_asked_anew(self) -> None:
+        self.longer()
+        self.obj.rumple.body = self.body
+        sleeve.at(12)
+        before = solved_body(self.obj).rest
+        self.body.location.x = 0.03
+        sleeve.at(13)
+        after = solved_body(self.obj).rest
+        both = np.isfinite(before).all(axis=1) & np.isfinite(after).all(axis=1)
+        self.assertTrue(both.any())
+        np.testing.assert_allclose(after[both] - before[both], np.array([[0.03, 0.0, 0.0]] * both.sum()), atol=1e-6)
 
     def test_nor_of_what_follows_no_armature(self) -> None:
         self.body.modifiers.clear()

@@ -70,5 +70,22 @@ TEST(Collider, TheFarSideOfAnArmIsNotUnderAFlank) {
     EXPECT_EQ(under, 0);
 }
 
+// Under cloth that lies on covered skin (the lower triangle, which has no place at rest) a bare arm is not,
+// though it is nearer: a layer asks of its own place. What hangs free lies on the arm, and stays on it.
+TEST(Collider, ALayerAsksWhatIsUnderItsOwnPlaceAtRest) {
+    const std::vector<Vec3> positions{{-1, -1, -0.02f}, {3, -1, -0.02f}, {-1, 3, -0.02f},
+                                      {-1, -1, -0.01f}, {3, -1, -0.01f}, {-1, 3, -0.01f}};
+    std::vector<Vec3> rest = positions;
+    for (size_t v = 0; v < 3; ++v) rest[v] = Vec3(std::numeric_limits<float>::quiet_NaN());
+    for (size_t v = 3; v < 6; ++v) rest[v].x += 9.0f;
+    const std::vector<std::array<Index, 3>> triangles{{0, 1, 2}, {3, 4, 5}};
+    const Collider collider(positions, triangles, rest, 0.15f);
+    const PosedCollider posed(collider, positions);
+    const Vec3 p(0.0f), up(0.0f, 0.0f, 1.0f);
+    EXPECT_EQ(posed.closest(p, up, 0.1f, 0).triangle, 1);
+    EXPECT_EQ(posed.closest_around(p, up, 0.1f, 0, p).triangle, 0);
+    EXPECT_EQ(posed.closest_around(p, up, 0.1f, 1, p).triangle, 1);
+}
+
 }  // namespace
 }  // namespace rumple::tests

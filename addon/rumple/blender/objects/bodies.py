@@ -8,7 +8,7 @@ connecting only reads: allowed in any handler.
 from __future__ import annotations
 
 import weakref
-from typing import Callable, NamedTuple
+from typing import Any, Callable, NamedTuple
 
 import bpy
 import numpy as np
@@ -189,8 +189,10 @@ def read(obj: bpy.types.Object, evaluated: bpy.types.Object, depsgraph: bpy.type
         "to its nodes"))
     if not surfaces:
         return None
-    joined = _joined_triangles((compat.session_key(obj), depsgraph.mode), surfaces, lambda: [
-        bodies_at_rest.of(obj, body, surface) for body, surface in read_now if surface is not None])
+    shown = [body for body, surface in read_now if surface is not None]
+    placed = [bodies_at_rest.placing(obj, body) for body in shown]
+    joined = _joined_triangles((compat.session_key(obj), depsgraph.mode), surfaces, (runtimes.of(obj).shape, placed),
+                               lambda: list(map(bodies_at_rest.of, [obj] * len(shown), shown, surfaces, placed)))
     return Body(np.concatenate([surface.positions for surface in surfaces]), joined.triangles, joined.digest,
                 joined.rest)
 
@@ -306,6 +308,7 @@ class _Joined(NamedTuple):
     triangles: np.ndarray
     digest: bytes
     rest: np.ndarray | None  # as Body has it
+    rest_of: Any  # what that is made of, beside the triangles
 
 
 _triangulated: dict[ByDepsgraph, _Triangulated] = {}  # by body
@@ -319,19 +322,19 @@ def forget_all() -> None:
     made_collections.forget_members()
 
 
-def _joined_triangles(key: ByDepsgraph, surfaces: list[Body],
+def _joined_triangles(key: ByDepsgraph, surfaces: list[Body], rest_of: Any,
                       at_rest: Callable[[], list[np.ndarray | None]]) -> _Joined:
     """The same array as long as those of the bodies are: then nobody has to look whether it is another. at_rest: of
-    each."""
+    each; asked anew where rest_of is another."""
     parts = [surface.triangles for surface in surfaces]
     first = np.cumsum([0] + [len(surface.positions) for surface in surfaces[:-1]], dtype=np.int32)
     kept = _joined.get(key)
     if (kept is None or kept.first != first.tolist() or len(kept.parts) != len(parts)
-            or any(ref() is not part for ref, part in zip(kept.parts, parts))):
+            or kept.rest_of != rest_of or any(ref() is not part for ref, part in zip(kept.parts, parts))):
         triangles = np.concatenate([part + at for part, at in zip(parts, first)])
         rest = joined_rest([(len(surface.positions), known) for surface, known in zip(surfaces, at_rest())])
         kept = _joined[key] = _Joined([weakref.ref(part) for part in parts], first.tolist(), triangles,
-                                      digest_of_triangles(triangles, rest), rest)
+                                      digest_of_triangles(triangles, rest), rest, rest_of)
     return kept
 
 

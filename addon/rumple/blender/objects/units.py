@@ -42,7 +42,7 @@ def metres_per_unit(obj: bpy.types.Object, scene: bpy.types.Scene) -> float:
     """Mean absolute scale of an object times the scene's unit scale. A keyed scale counts as it is in the clip's first
     frame, whichever is shown."""
     mean = sum(abs(s) for s in _matrix_at(obj, first_frame(obj, scene)).to_scale()) / 3.0
-    if any(_scale_curves(one) for one in _with_parents(obj)):
+    if any(_scale_curves(one) for one in with_parents(obj)):
         mean = float(f"{mean:.5g}")  # a part of what is shown is rounded otherwise in each frame
     return mean * scene.unit_settings.scale_length
 
@@ -55,8 +55,8 @@ def unevenly_scaled(obj: bpy.types.Object, scene: bpy.types.Scene) -> bpy.types.
     bent = matrix if rig is None else _matrix_at(rig, first).inverted_safe() @ matrix
     if not (_is_uneven(matrix) and _is_uneven(bent)):
         return None
-    in_common = set() if rig is None else set(_with_parents(rig))
-    uneven = [one for one in _with_parents(obj) if one not in in_common and _differ(_own_scale(one, first))]
+    in_common = set() if rig is None else set(with_parents(rig))
+    uneven = [one for one in with_parents(obj) if one not in in_common and _differ(_own_scale(one, first))]
     return uneven[-1] if uneven else obj
 
 
@@ -91,12 +91,12 @@ def most_metres_per_unit(obj: bpy.types.Object, scene: bpy.types.Scene) -> float
 def plain_scales(obj: bpy.types.Object, scene: bpy.types.Scene) -> tuple:
     """All that metres_per_unit() is made of, as it stands now: it is read in each frame, and hardly ever differs."""
     return (scene.unit_settings.scale_length, *((*one.scale, *one.delta_scale, one.matrix_parent_inverse.median_scale)
-                                                for one in _with_parents(obj)))
+                                                for one in with_parents(obj)))
 
 
 def scale_is_known(obj: bpy.types.Object) -> bool:
     """Whether metres_per_unit() is the same in all frames, as long as nobody changes it: not of drivers and strips."""
-    return not any(_scales_otherwise(one.animation_data) for one in _with_parents(obj)
+    return not any(_scales_otherwise(one.animation_data) for one in with_parents(obj)
                    if one.animation_data is not None)
 
 
@@ -105,7 +105,8 @@ def _scales_otherwise(about: bpy.types.AnimData) -> bool:
             or any(about.drivers.find(name, index=axis) is not None for name, axis in SCALES))
 
 
-def _with_parents(obj: bpy.types.Object) -> Iterator[bpy.types.Object]:
+def with_parents(obj: bpy.types.Object) -> Iterator[bpy.types.Object]:
+    """An object, its parent, the parent of that, ..."""
     one: bpy.types.Object | None = obj
     while one is not None:
         yield one
