@@ -88,6 +88,19 @@ class Kept(unittest.TestCase):
                     np.testing.assert_array_equal(sleeve.shown(obj), played[frame])
                 self.assertEqual((obj.rumple.message, runtimes.of(obj).unplayed), ("", ""))
 
+    def test_another_smoothing_of_the_viewport_reads_the_same_frames(self) -> None:
+        """The same is solved: what was kept is not solved again."""
+        self.played(self.made())
+        self.saved()
+        obj = self.opened()
+        obj.rumple.viewport_steps = 1
+        sleeve.at(LAST)
+        before = self.files()
+        fine = runtimes.of(obj).evaluator
+        self.assertEqual([frame for frame, final in fine.frame_cache.frames() if final], [float(LAST)])
+        self.saved()
+        self.assertEqual(self.files(), before)
+
     def test_without_the_option_nothing_is_written(self) -> None:
         self.played(self.made(keep=False))
         self.saved()
