@@ -41,7 +41,7 @@ class AtRest(Worn):
         self.assertIsNone(solved_body(self.obj).rest)
 
     def test_it_is_the_same_in_whatever_frame_it_is_read_first(self) -> None:
-        """What carries both moves: by the matrices of a frame, rest would differ in its last bits from frame to frame."""
+        """What carries both moves: by the matrices of a frame, rest would differ in its last bits."""
         self.longer()
         carrier = bpy.data.objects.new("Carrier", None)
         bpy.context.scene.collection.objects.link(carrier)

@@ -13,7 +13,7 @@ from ...core.body import Body, side
 from .. import compat
 from . import incoming_mesh, mesh_reader, rig_scale, units
 
-Placing = tuple[float, ...]  # a 4x4 matrix, row by row
+Placing = tuple[tuple[float, ...], ...]  # 4x4 matrices, each row by row, that lead on one after the other
 OTHER_SHAPES = ("FRAME", "SHAPE_KEY")  # of a garment at rest, which its armature has not in its rest position
 TRANSFORMS = ("location", "rotation", "scale", "delta_")  # beginnings of data paths
 
@@ -30,8 +30,8 @@ def placing(garment: bpy.types.Object, body: bpy.types.Object) -> Placing | None
             chain.pop()  # what carries both
     if any(_moves(one) for chain in chains for one in chain):
         return None
-    matrix = _placed(chains[0]).inverted_safe() @ _placed(chains[1])
-    return tuple(value for row in matrix for value in row)
+    up, down = [_own(one) for one in chains[1]], [_own(one).inverted_safe() for one in reversed(chains[0])]
+    return tuple(tuple(value for row in matrix for value in row) for matrix in (*up, *down))
 
 
 def of(garment: bpy.types.Object, body: bpy.types.Object, posed: Body, found: Placing | None) -> np.ndarray | None:
@@ -44,8 +44,9 @@ def of(garment: bpy.types.Object, body: bpy.types.Object, posed: Body, found: Pl
     if len(rest) != len(posed.positions) or not np.isfinite(rest).all():
         return None
     scale = np.float32(rig_scale.of_rest(garment, "REST_POSE"))
-    into = np.array(found, np.float32).reshape(4, 4)
-    rest, cloth = transforms.placed(into, rest), mesh_reader.rest_positions(garment, "REST_POSE", "")
+    for matrix in found:
+        rest = transforms.placed(np.array(matrix, np.float32).reshape(4, 4), rest)
+    cloth = mesh_reader.rest_positions(garment, "REST_POSE", "")
     if side(rest, posed.triangles) < 0 or not worn_at_rest.is_worn(cloth, rest):
         return None
     size = worn_at_rest.size_of(cloth, rig_scale.metres_at_rest(garment, units.scene_of(garment)))
@@ -59,13 +60,9 @@ def _moves(obj: bpy.types.Object) -> bool:
             or any(path.startswith(TRANSFORMS) for path in compat.animated_paths(obj)))
 
 
-def _placed(chain: list[bpy.types.Object]) -> Matrix:
-    """Of the first in the space of what carries the last."""
-    matrix = Matrix()
-    for one in chain:
-        own = one.matrix_basis if one.parent is None else one.matrix_parent_inverse @ one.matrix_basis
-        matrix = own @ matrix
-    return matrix
+def _own(obj: bpy.types.Object) -> Matrix:
+    """In the space of its parent."""
+    return obj.matrix_basis if obj.parent is None else obj.matrix_parent_inverse @ obj.matrix_basis
 
 
 def armatures(obj: bpy.types.Object) -> set[bpy.types.Object]:
