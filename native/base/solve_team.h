@@ -52,10 +52,10 @@ class SolveTeam {
 inline constexpr size_t kLeastSteps = 2'000;
 inline constexpr size_t kLeastSearches = 200;
 
-// work(begin, end) for parts of [0, count) that begin at multiples of four: one part, or several where there
-// are least_items and this thread has a team. Every item is computed by itself, so that the number of threads
-// changes no bit. What work throws is thrown here.
-template <typename Work>
+// work(begin, end) for parts of [0, count) that begin at multiples of `step`: one part, or several where
+// there are least_items and this thread has a team. Every item is computed by itself, so that the number of
+// threads changes no bit. What work throws is thrown here.
+template <size_t step = kLanes, typename Work>
 void for_each_part(size_t count, size_t least_items, Work&& work) {
     Team* const team = SolveTeam::for_items(count, least_items);
     if (!team) {
@@ -64,7 +64,7 @@ void for_each_part(size_t count, size_t least_items, Work&& work) {
     }
     // Every member has the same stretch in every loop, which its processor still holds from the loop before;
     // what it has not begun is taken by those that have ended theirs.
-    constexpr size_t kFour = 4, kPartsOfMember = 8;
+    constexpr size_t kPartsOfMember = 8;
     struct alignas(64) Left {  // a line of the cache
         std::atomic<size_t> next;
         size_t end;
@@ -72,11 +72,11 @@ void for_each_part(size_t count, size_t least_items, Work&& work) {
     const int members = team->threads();
     std::vector<Left> left(static_cast<size_t>(members));
     for (int m = 0; m < members; ++m) {
-        const Team::Range fours = team->partition(0, (count + kFour - 1) / kFour, m);
-        left[size_t(m)].next = kFour * fours.begin;
-        left[size_t(m)].end = std::min(kFour * fours.end, count);
+        const Team::Range steps = team->partition(0, (count + step - 1) / step, m);
+        left[size_t(m)].next = step * steps.begin;
+        left[size_t(m)].end = std::min(step * steps.end, count);
     }
-    const size_t part = (count / (kPartsOfMember * size_t(members)) / kFour + 1) * kFour;
+    const size_t part = (count / (kPartsOfMember * size_t(members)) / step + 1) * step;
     team->share([&](int member) {
         for (int k = 0; k < members; ++k) {
             Left& from = left[size_t((member + k) % members)];
@@ -91,6 +91,14 @@ void for_each_part(size_t count, size_t least_items, Work&& work) {
 template <typename Work>
 void for_each_index(size_t count, size_t least_items, Work&& work) {
     for_each_part(count, least_items, [&](size_t begin, size_t end) {
+        for (size_t i = begin; i < end; ++i) work(i);
+    });
+}
+
+// The same of few items that each take long.
+template <typename Work>
+void for_each_block(size_t count, size_t least_items, Work&& work) {
+    for_each_part<1>(count, least_items, [&](size_t begin, size_t end) {
         for (size_t i = begin; i < end; ++i) work(i);
     });
 }

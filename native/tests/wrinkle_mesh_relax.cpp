@@ -2,6 +2,9 @@
 // Pairs and vertices are relaxed four at a time: the same bits as one after the other, in plain floats.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <numeric>
+
 #include "systems/wrinkle_mesh/relax.h"
 #include "tests/wrinkle_mesh_cloth.h"
 
@@ -17,6 +20,17 @@ void project_plainly(Vec3& p1, Vec3& p2, float target, float stiffness) {
     const Vec3 half = (0.5f * stiffness * (length - target) / length) * difference;
     p1 += half;
     p2 -= half;
+}
+
+size_t blocks_of(const Model& model) {
+    return model.block_row.size() - 1;
+}
+
+std::vector<size_t> pairs_of(const Pairs& pairs, size_t group) {
+    std::vector<size_t> out(
+        size_t(pairs.run_start[pairs.group_start[group + 1]] - pairs.run_start[pairs.group_start[group]]));
+    std::iota(out.begin(), out.end(), size_t(pairs.run_start[pairs.group_start[group]]));
+    return out;
 }
 
 struct Frame {
@@ -56,7 +70,7 @@ struct Frame {
     Pose3 relaxed(int threads) const {
         const SolveTeam team(threads, start.size(), 1);
         Pose3 x = start;
-        relax_coloured(*cloth.model, targets, Bounds(*cloth.model, settings, {}, pose), 3, x);
+        relax_by_blocks(*cloth.model, targets, Bounds(*cloth.model, settings, {}, pose), 3, x);
         return x;
     }
 
@@ -65,11 +79,15 @@ struct Frame {
         const Bounds bounds(model, settings, {}, pose);
         Pose3 x = start;
         for (int iteration = 0; iteration < 3; ++iteration) {
-            for (size_t i = 0; i < model.distance.size(); ++i)
-                project_plainly(x[model.distance.a[i]], x[model.distance.b[i]], targets.distance[i], 1.0f);
-            for (size_t i = 0; i < model.bending.size(); ++i) {
-                project_plainly(x[model.bending.a[i]], x[model.bending.b[i]], targets.bending[i],
-                                targets.stiffness[i]);
+            for (const size_t between : {0, 1}) {
+                for (size_t block = 0; block < blocks_of(model); ++block) {
+                    for (const size_t i : pairs_of(model.distance, 2 * block + between))
+                        project_plainly(x[model.distance.a[i]], x[model.distance.b[i]], targets.distance[i],
+                                        1.0f);
+                    for (const size_t i : pairs_of(model.bending, 2 * block + between))
+                        project_plainly(x[model.bending.a[i]], x[model.bending.b[i]], targets.bending[i],
+                                        targets.stiffness[i]);
+                }
             }
             for (size_t v = 0; v < x.size(); ++v) {
                 const Vec3 away = x[v] - pose.attachment[v];
@@ -86,7 +104,7 @@ TEST(Relaxing, FourAtATimeAndOnAnyThreadsHasTheBitsOfOneAfterTheOther) {
     for (const Collision collision : {Collision::kNone, Collision::kPlane, Collision::kNeighbourhood}) {
         for (const bool self_contact : {false, true}) {
             for (const auto& [columns, rows] :
-                 {std::pair(1, 1), std::pair(2, 1), std::pair(5, 3), std::pair(7, 4)}) {
+                 {std::pair(1, 1), std::pair(2, 1), std::pair(5, 3), std::pair(7, 4), std::pair(40, 8)}) {
                 const Frame frame(grid(columns, rows, 0.1f), collision, self_contact);
                 const Pose3 plain = frame.relaxed_plainly();
                 EXPECT_NE(plain, frame.start);
@@ -99,6 +117,64 @@ TEST(Relaxing, FourAtATimeAndOnAnyThreadsHasTheBitsOfOneAfterTheOther) {
             }
         }
     }
+}
+
+// Threads may then sweep all blocks at the same time, and after that all that lies between two of them.
+void expect_blocks_apart(const Model& model) {
+    const size_t blocks = blocks_of(model);
+    for (const size_t between : {0, 1}) {
+        std::vector<size_t> block_of(model.attached.size(),
+                                     blocks);  // that sweeps a vertex; blocks: none yet
+        for (const Pairs* pairs : {&model.distance, &model.bending}) {
+            for (size_t block = 0; block < blocks; ++block) {
+                for (const size_t i : pairs_of(*pairs, 2 * block + between)) {
+                    for (const Index v : {pairs->a[i], pairs->b[i]}) {
+                        EXPECT_TRUE(block_of[v] == blocks || block_of[v] == block) << "vertex " << v;
+                        block_of[v] = block;
+                    }
+                }
+            }
+        }
+    }
+}
+
+void expect_every_pair_in_one_run(const Pairs& pairs, size_t vertices) {
+    EXPECT_EQ(pairs.run_start.front(), 0);
+    EXPECT_EQ(size_t(pairs.run_start.back()), pairs.size());
+    EXPECT_EQ(size_t(pairs.group_start.back()), pairs.run_start.size() - 1);
+    for (size_t run = 0; run + 1 < pairs.run_start.size(); ++run) {
+        EXPECT_LT(pairs.run_start[run], pairs.run_start[run + 1]);
+        std::vector<bool> used(vertices, false);
+        for (Index i = pairs.run_start[run]; i < pairs.run_start[run + 1]; ++i) {
+            for (const Index v : {pairs.a[i], pairs.b[i]}) {
+                EXPECT_FALSE(used[v]) << "run " << run << ", vertex " << v;
+                used[v] = true;
+            }
+        }
+    }
+}
+
+TEST(Relaxing, BlocksThatAreSweptAtTheSameTimeShareNoVertex) {
+    for (const auto& [columns, rows] : {std::pair(40, 8), std::pair(8, 40), std::pair(120, 2)}) {
+        const Cloth cloth(grid(columns, rows, 0.1f));
+        EXPECT_GE(blocks_of(*cloth.model), 4u);
+        expect_blocks_apart(*cloth.model);
+        expect_every_pair_in_one_run(cloth.model->distance, cloth.model->attached.size());
+        expect_every_pair_in_one_run(cloth.model->bending, cloth.model->attached.size());
+    }
+}
+
+// Where one lies over several blocks they are longer.
+TEST(Relaxing, BlocksShareNoVertexOverLongTrianglesEither) {
+    MeshData mesh = grid(40, 8, 0.1f);
+    const auto by_x = [&](const Vec3& p, const Vec3& q) { return p.x < q.x; };
+    const auto [low, high] = std::minmax_element(mesh.positions.begin(), mesh.positions.end(), by_x);
+    const auto first = Index(low - mesh.positions.begin()), last = Index(high - mesh.positions.begin());
+    mesh.positions.push_back(0.5f * (mesh.positions[first] + mesh.positions[last]) + Vec3(0, 0, 0.1f));
+    mesh.add_polygon({first, last, Index(mesh.positions.size()) - 1});
+    const Cloth whole(grid(40, 8, 0.1f)), with_sliver(std::move(mesh));
+    EXPECT_LT(blocks_of(*with_sliver.model), blocks_of(*whole.model));
+    expect_blocks_apart(*with_sliver.model);
 }
 
 }  // namespace

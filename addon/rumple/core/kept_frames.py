@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from .engine import Wrinkles
 
 SUFFIX = ".frame"
-FORMAT = 7  # raised where frames get other bits. Those of 6 have fewer steps from a start, for one
+FORMAT = 8  # raised where frames get other bits. Those of 7 were swept in another order, for one
 _HEAD = b"rumple frame\n"
 _DIGEST = 16  # bytes
 _MOST_REFUSED = 5  # renames, one after the other: a virus scanner has a new file open for a moment

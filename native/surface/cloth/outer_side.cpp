@@ -71,7 +71,7 @@ std::vector<Polygon> polygons_of(const Surface& surface, const std::vector<std::
 void find_opposites(const Surface& surface, const std::vector<std::array<Index, 3>>& triangles,
                     std::vector<Polygon>& polygons) {
     const std::vector<Row> rows = to_rows(surface.positions_rest);
-    const TriangleNormals normals(rows, triangles);
+    const TriangleNormals normals(rows, triangles, {surface.positions_rest.size(), triangles});
     const PacketHierarchy hierarchy = build_packets(centres_of(surface.positions_rest, triangles));
     const PosedPackets packets(hierarchy, rows, triangles, normals.of_face);
     const float reach = kThickest * diagonal_of(surface);

@@ -60,6 +60,7 @@ Collider::Collider(std::span<const Vec3> positions, std::span<const std::array<I
         for (const auto& [a, b, c] : triangles_)
             rest_normal_.push_back(unit_or_zero(glm::cross(rest[b] - rest[a], rest[c] - rest[a])));
     }
+    corners_ = {positions.size(), triangles_};
     hierarchy_ = build_packets(centres_of(positions, triangles_));
     mark_borders();
     find_parts();
@@ -115,7 +116,7 @@ PosedCollider::PosedCollider(const Collider& collider, std::span<const Vec3> pos
 PosedCollider::PosedCollider(const Collider& collider, std::span<const Vec3> positions, const SolveTeam&)
     : collider_(collider),
       positions_(checked(collider, positions)),
-      normals_(positions_, collider.triangles_),
+      normals_(positions_, collider.triangles_, collider.corners_),
       packets_(collider.hierarchy_, positions_, collider.triangles_, normals_.of_face) {}
 
 bool PosedCollider::is_at(std::span<const Vec3> positions) const {

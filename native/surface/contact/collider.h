@@ -42,6 +42,7 @@ class Collider {
 
     Index vertex_count_ = 0;
     std::vector<std::array<Index, 3>> triangles_;
+    CornersOfVertices corners_;
     std::vector<std::uint8_t> border_edges_;  // per triangle: bit k, the edge from corner k is a border
     std::vector<std::uint8_t> border_vertex_;
     std::vector<Index> part_;    // per triangle: the connected part of the bodies that it is of

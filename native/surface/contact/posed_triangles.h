@@ -37,13 +37,34 @@ inline Vec3Lanes unit_or_zero(const Vec3Lanes& v) {
     return choose(length > all_lanes(kShortestEdge * kShortestEdge), unit, {});
 }
 
+// The corners that lie on every vertex, by triangle: corner k of triangle t is 3 t + k. Built once.
+struct CornersOfVertices {
+    std::vector<Index> start;  // vertices + 1
+    std::vector<Index> corner;
+
+    CornersOfVertices() = default;
+    CornersOfVertices(size_t vertices, std::span<const std::array<Index, 3>> triangles)
+        : start(vertices + 1, 0), corner(3 * triangles.size()) {
+        for (const auto& t : triangles)
+            for (const Index v : t) ++start[v + 1];
+        for (size_t v = 0; v < vertices; ++v) start[v + 1] += start[v];
+        std::vector<Index> next(start.begin(), start.end() - 1);
+        for (size_t t = 0; t < triangles.size(); ++t)
+            for (size_t k = 0; k < 3; ++k) corner[next[triangles[t][k]]++] = static_cast<Index>(3 * t + k);
+    }
+    std::span<const Index> of(size_t vertex) const {
+        return std::span(corner).subspan(start[vertex], start[vertex + 1] - start[vertex]);
+    }
+};
+
 // Unit, or zero where there is no area.
 struct TriangleNormals {
     std::vector<Row> of_face;
     std::vector<Row> of_vertex;  // weighted by area
 
     // positions: as of to_rows().
-    TriangleNormals(std::span<const Row> positions, std::span<const std::array<Index, 3>> triangles)
+    TriangleNormals(std::span<const Row> positions, std::span<const std::array<Index, 3>> triangles,
+                    const CornersOfVertices& corners)
         : of_face(in_fours(triangles.size())), of_vertex(positions.size()) {
         for_each_four_shared(triangles.size(), [&](size_t first, size_t count) {
             std::array<std::array<Row, kLanes>, 3> corner;
@@ -52,9 +73,9 @@ struct TriangleNormals {
             const Vec3Lanes a = columns(corner[0]), b = columns(corner[1]), c = columns(corner[2]);
             store_rows(cross(b - a, c - a), four_from(of_face, first));
         });
-        // In their order, as sums are rounded.
-        for (size_t t = 0; t < triangles.size(); ++t)
-            for (const Index v : triangles[t]) of_vertex[v].xyz += of_face[t].xyz;
+        for_each_index(corners.start.size() - 1, kLeastSteps, [&](size_t v) {
+            for (const Index c : corners.of(v)) of_vertex[v].xyz += of_face[c / 3].xyz;
+        });
         make_unit(of_face);
         make_unit(of_vertex);
     }

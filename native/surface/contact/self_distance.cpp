@@ -28,6 +28,7 @@ std::vector<Index> parts_of(size_t vertices, const std::vector<std::array<Index,
 SelfContactMesh::SelfContactMesh(std::span<const Vec3> positions,
                                  const std::vector<std::array<Index, 3>>& triangles)
     : triangles_(triangles),
+      corners_(positions.size(), triangles),
       hierarchy_(build_packets(centres_of(positions, triangles))),
       part_(parts_of(positions.size(), triangles)) {}
 
@@ -35,7 +36,7 @@ PosedSelfContactMesh::PosedSelfContactMesh(const SelfContactMesh& surface, std::
     : surface_(surface),
       count_(positions.size()),
       positions_(to_rows(positions)),
-      normals_(positions_, surface.triangles_),
+      normals_(positions_, surface.triangles_, surface.corners_),
       packets_(surface.hierarchy_, positions_, surface.triangles_, normals_.of_face) {}
 
 bool PosedSelfContactMesh::face_the_same_way(Index vertex, Index triangle) const {
@@ -103,9 +104,9 @@ std::vector<SelfContactSide> PosedSelfContactMesh::facing(std::span<const float>
 }
 
 std::vector<float> PosedSelfContactMesh::heights() const {
-    std::vector<float> out(count_, std::numeric_limits<float>::infinity());
     const std::vector<std::array<Index, 3>>& triangles = surface_.triangles_;
-    for_each_four(triangles.size(), [&](size_t first, size_t count) {
+    std::vector<float> of_corner(3 * triangles.size());
+    for_each_four_shared(triangles.size(), [&](size_t first, size_t count) {
         const auto corner = [&](int i) {
             std::array<Row, kLanes> rows;
             for (size_t k = 0; k < count; ++k) rows[k] = positions_[triangles[first + k][i]];
@@ -118,11 +119,12 @@ std::vector<float> PosedSelfContactMesh::heights() const {
         for (int i = 0; i < 3; ++i) {
             const Lanes length = square_root(dot(side[i], side[i]));
             const Lanes height = length > all_lanes(kShortestEdge) ? twice_area / length : Lanes{};
-            for (size_t k = 0; k < count; ++k) {
-                float& least_here = out[triangles[first + k][i]];
-                least_here = std::min(least_here, height[k]);
-            }
+            for (size_t k = 0; k < count; ++k) of_corner[3 * (first + k) + size_t(i)] = height[k];
         }
+    });
+    std::vector<float> out(count_, std::numeric_limits<float>::infinity());
+    for_each_index(count_, kLeastSteps, [&](size_t v) {
+        for (const Index c : surface_.corners_.of(v)) out[v] = std::min(out[v], of_corner[c]);
     });
     return out;
 }

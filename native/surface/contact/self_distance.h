@@ -29,6 +29,7 @@ class SelfContactMesh {
     }
 
     std::vector<std::array<Index, 3>> triangles_;
+    CornersOfVertices corners_;
     PacketHierarchy hierarchy_;
     std::vector<Index> part_;  // per vertex the lowest one of its part; empty: there is but one
 };

@@ -8,6 +8,9 @@
 namespace rumple {
 namespace {
 
+// Fewer nodes enclose their children before another thread has begun.
+constexpr size_t kLeastNodes = 500;
+
 constexpr float kInfinitelyFar = std::numeric_limits<float>::max();
 
 // The grandchildren of a node of two children; a leaf stands for its own.
@@ -33,7 +36,11 @@ PacketHierarchy build_packets(std::span<const Vec3> centres) {
     out.packet_of.resize(centres.size());
     const Hierarchy pairs = build_hierarchy(centres);
     std::vector<Index> node_of{0};  // of pairs, for every node of out
-    for (size_t n = 0; n < node_of.size(); ++n) {
+    for (size_t n = 0, level_end = 0; n < node_of.size(); ++n) {
+        if (n == level_end) {
+            out.level_start.push_back(static_cast<Index>(n));
+            level_end = node_of.size();
+        }
         PacketHierarchy::Node node;
         node.child.fill(PacketHierarchy::kEmpty);
         int k = 0;
@@ -53,6 +60,7 @@ PacketHierarchy build_packets(std::span<const Vec3> centres) {
         }
         out.nodes.push_back(node);
     }
+    out.level_start.push_back(static_cast<Index>(out.nodes.size()));
     return out;
 }
 
@@ -83,7 +91,7 @@ PosedPackets::PosedPackets(const PacketHierarchy& hierarchy, std::span<const Row
         packets_[packet] = {columns(corner[0]), columns(corner[1]), columns(corner[2]), columns(normal)};
     });
     std::vector<Volume> of_node(nodes_.size());
-    for (size_t n = nodes_.size(); n-- > 0;) {
+    const auto enclose_children = [&](size_t n) {
         std::array<Volume, kLanes> of_child;
         for (int k = 0; k < kLanes; ++k) {
             const Index child = hierarchy.nodes[n].child[k];
@@ -101,6 +109,11 @@ PosedPackets::PosedPackets(const PacketHierarchy& hierarchy, std::span<const Row
         };
         nodes_[n] = {boxes(&Volume::place), std::bit_cast<LaneMask>(hierarchy.nodes[n].child),
                      boxes(&Volume::normal)};
+    };
+    for (size_t level = hierarchy.level_start.size(); level-- > 1;) {
+        const auto first = size_t(hierarchy.level_start[level - 1]),
+                   end = size_t(hierarchy.level_start[level]);
+        for_each_index(end - first, kLeastNodes, [&](size_t i) { enclose_children(first + i); });
     }
 }
 

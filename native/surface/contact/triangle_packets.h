@@ -31,7 +31,8 @@ struct PacketHierarchy {
         std::array<Index, kLanes> child;  // a node; -1 - packet; or kEmpty
     };
     using Triangles = std::array<Index, kLanes>;  // of a packet, kNone where it is not full
-    std::vector<Node> nodes;                      // parents before children; none without triangles
+    std::vector<Node> nodes;                      // level by level from the root; none without triangles
+    std::vector<Index> level_start;               // levels + 1: the first node of every level
     std::vector<Triangles> packets;
     std::vector<Index> packet_of;  // per triangle
 };

@@ -5,9 +5,11 @@
 #include <cmath>
 #include <numeric>
 #include <string>
+#include <tuple>
 
 #include "base/errors.h"
 #include "base/graph_coloring.h"
+#include "base/lanes.h"
 #include "base/parallel.h"
 #include "base/stop.h"
 #include "base/tolerances.h"
@@ -18,6 +20,10 @@
 
 namespace rumple::wrinkle_mesh {
 namespace {
+
+// A block of fewer is swept in less time than threads take to meet. They do not depend on the number of
+// threads, so neither does the order of the sweeps.
+constexpr Index kBlockRows = 512;
 
 FineMesh copy_own(const Surface& own, const Source& source, Index display_steps) {
     FineSource as_it_is = source;
@@ -110,32 +116,74 @@ std::vector<Index> inverse(const std::vector<Index>& permutation) {
     return out;
 }
 
-// Pairs ordered by colour, each colour by its rows: a thread that sweeps one part of every colour has one
-// part of the mesh. Their order within a colour changes no bit, as they share no vertex.
-Pairs coloured(const std::vector<Pair>& pairs, std::span<const Vec3> rest, std::span<const Index> row_of) {
-    std::vector<Index> a, b;
-    for (const Pair& pair : pairs) {
-        a.push_back(pair[0]);
-        b.push_back(pair[1]);
+using RowPairs = std::vector<std::array<Index, 2>>;  // the first row below the second
+
+RowPairs rows_of(const std::vector<Pair>& pairs, std::span<const Index> row_of) {
+    RowPairs out;
+    for (const auto& [a, b] : pairs) out.push_back(sorted_pair(row_of[a], row_of[b]));
+    return out;
+}
+
+// Model::block_row. Pairs between two blocks reach some way into both. A block is so long that those at one
+// of its ends share no vertex with those at the other.
+std::vector<Index> blocks_of_rows(Index rows, std::initializer_list<const RowPairs*> pairs) {
+    // The row that the pairs of each row, and of those before it, reach at most.
+    std::vector<Index> farthest(static_cast<size_t>(rows));
+    std::iota(farthest.begin(), farthest.end(), 0);
+    for (const RowPairs* some : pairs)
+        for (const auto& [low, high] : *some) farthest[low] = std::max(farthest[low], high);
+    for (size_t row = 1; row < farthest.size(); ++row)
+        farthest[row] = std::max(farthest[row], farthest[row - 1]);
+    std::vector<Index> start{0};
+    while (start.back() < rows) {
+        const Index begin = start.back(), from_below = begin > 0 ? farthest[begin - 1] : 0;
+        const Index end = std::max(begin + kBlockRows, farthest[from_below] + 1);
+        start.push_back(std::min(static_cast<Index>(in_fours(size_t(end))), rows));
     }
-    const std::vector<Index> colour = color_constraints(static_cast<Index>(rest.size()), a, b);
+    return start;
+}
+
+// Pairs::run_start and group_start. group, colour: of the pairs in their order.
+void find_runs(std::span<const Index> group, std::span<const Index> colour, size_t groups, Pairs& pairs) {
+    for (size_t i = 0; i < pairs.size(); ++i) {
+        const bool new_group = i == 0 || group[i] != group[i - 1];
+        if (new_group)
+            pairs.group_start.resize(size_t(group[i]) + 1, static_cast<Index>(pairs.run_start.size()));
+        if (new_group || colour[i] != colour[i - 1]) pairs.run_start.push_back(static_cast<Index>(i));
+    }
+    pairs.group_start.resize(groups + 1, static_cast<Index>(pairs.run_start.size()));
+    pairs.run_start.push_back(static_cast<Index>(pairs.size()));
+}
+
+// By group, colour and row. Pairs of one colour share no vertex, so that their order changes no bit.
+Pairs in_sweep_order(const std::vector<Pair>& pairs, const RowPairs& rows, const Model& model) {
+    const auto block_of = [&](Index row) {
+        const auto after = std::upper_bound(model.block_row.begin(), model.block_row.end(), row);
+        return static_cast<Index>(after - model.block_row.begin()) - 1;
+    };
+    std::vector<Index> a, b, group;
+    for (size_t i = 0; i < pairs.size(); ++i) {
+        a.push_back(pairs[i][0]);
+        b.push_back(pairs[i][1]);
+        group.push_back(block_of(rows[i][0]) + block_of(rows[i][1]));
+    }
+    const std::vector<Index> colour = color_constraints(static_cast<Index>(model.row_of.size()), a, b);
     stop_if_asked();
     std::vector<Index> order(pairs.size());
     std::iota(order.begin(), order.end(), 0);
-    std::ranges::stable_sort(
-        order, {}, [&](Index i) { return std::pair(colour[i], std::min(row_of[a[i]], row_of[b[i]])); });
+    std::ranges::stable_sort(order, {}, [&](Index i) { return std::tuple(group[i], colour[i], rows[i][0]); });
     Pairs out;
+    std::vector<Index> group_of, colour_of;
     for (const Index i : order) {
-        if (out.colour_start.empty() || colour[i] != colour[order[out.size() - 1]]) {
-            out.colour_start.push_back(static_cast<Index>(out.size()));
-        }
         out.a.push_back(a[i]);
         out.b.push_back(b[i]);
-        out.row_a.push_back(row_of[a[i]]);
-        out.row_b.push_back(row_of[b[i]]);
-        out.rest.push_back(glm::distance(rest[a[i]], rest[b[i]]));
+        out.row_a.push_back(model.row_of[a[i]]);
+        out.row_b.push_back(model.row_of[b[i]]);
+        out.rest.push_back(glm::distance(model.positions_rest[a[i]], model.positions_rest[b[i]]));
+        group_of.push_back(group[i]);
+        colour_of.push_back(colour[i]);
     }
-    out.colour_start.push_back(static_cast<Index>(out.size()));
+    find_runs(group_of, colour_of, 2 * (model.block_row.size() - 1), out);
     return out;
 }
 
@@ -210,8 +258,10 @@ void add_constraints(Model& model) {
     stop_if_asked();
     model.vertex_of_row = rows_along_longest_axis(rest);
     model.row_of = inverse(model.vertex_of_row);
-    model.distance = coloured(sets.edges, rest, model.row_of);
-    model.bending = coloured(sets.opposite, rest, model.row_of);
+    const RowPairs edges = rows_of(sets.edges, model.row_of), opposite = rows_of(sets.opposite, model.row_of);
+    model.block_row = blocks_of_rows(static_cast<Index>(rest.size()), {&edges, &opposite});
+    model.distance = in_sweep_order(sets.edges, edges, model);
+    model.bending = in_sweep_order(sets.opposite, opposite, model);
     model.local_edge = mean_edge_around(model.distance, rest.size());
     model.border_ring = border_rings(sets.edges, sets.on_border(rest.size()));
 }

@@ -115,13 +115,12 @@ constexpr float kMostSunk = 0.5f;
 // added to their distance.
 void lower_gaps_of_surface(const Model& model, float thickness, Pose& pose) {
     std::vector<float> sunk(pose.attachment.size(), 0.0f);
-    for (size_t i = 0; i < model.distance.size(); ++i) {
-        const Index a = model.distance.a[i], b = model.distance.b[i];
-        if (pose.body[a] == kNone || pose.body[b] == kNone) continue;
+    for_each_pair(model.distance, [&](size_t, Index a, Index b) {
+        if (pose.body[a] == kNone || pose.body[b] == kNone) return;
         const Vec3 side = pose.attachment[b] - pose.attachment[a];
         const float of_side = glm::dot(side, pose.floor[b] - pose.floor[a]) / 6.0f;
         for (const Index v : {a, b}) sunk[v] = std::max(sunk[v], of_side);
-    }
+    });
     for (size_t v = 0; v < sunk.size(); ++v) pose.gap[v] -= std::max(sunk[v] - kMostSunk * thickness, 0.0f);
 }
 

@@ -109,6 +109,29 @@ inline float painted(const std::vector<float>& paint, size_t v) {
     return paint.empty() ? 1.0f : paint[v];
 }
 
+// Fewer blocks are done before another thread has begun.
+constexpr size_t kLeastBlocks = 4;
+
+// act(begin, end) for the pairs of every group, all of which a thread does in their order. What it changes of
+// the vertices of its pairs no other thread touches meanwhile.
+template <typename Act>
+void for_each_group(const Pairs& pairs, const Act& act) {
+    for (const size_t between : {0, 1}) {
+        for_each_block(pairs.group_start.size() / 2, kLeastBlocks, [&](size_t block) {
+            const size_t group = 2 * block + between;
+            act(size_t(pairs.run_start[pairs.group_start[group]]),
+                size_t(pairs.run_start[pairs.group_start[group + 1]]));
+        });
+    }
+}
+// The same one by one: act(pair, vertex a, vertex b).
+template <typename Act>
+void for_each_pair(const Pairs& pairs, const Act& act) {
+    for_each_group(pairs, [&](size_t begin, size_t end) {
+        for (size_t i = begin; i < end; ++i) act(i, pairs.a[i], pairs.b[i]);
+    });
+}
+
 // r_i (section 3.1), object units: relative to the local edge, painted, faded at hems.
 std::vector<float> attachment_radii(const Model& model, const Settings& settings, const Paint& paint);
 

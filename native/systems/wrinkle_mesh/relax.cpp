@@ -12,9 +12,6 @@
 namespace rumple::wrinkle_mesh {
 namespace {
 
-// Fewer of a colour are swept before another thread has begun.
-constexpr size_t kLeastPairs = 1'000;
-
 // Equations (3) to (5), scaled with a stiffness.
 inline void project_pair(Row& p1, Row& p2, float target, float stiffness) {
     const Row difference{p2.xyz - p1.xyz};
@@ -43,9 +40,9 @@ inline void project_four(const Index* a, const Index* b, const Lanes& target, co
     }
 }
 
-// One pass over pairs [begin, end) of one colour.
-void sweep_pairs(const Pairs& pairs, std::span<const float> target, std::span<const float> stiffness,
-                 std::span<Row> positions, size_t begin, size_t end) {
+// One pass over pairs [begin, end), which share no vertex.
+void sweep_run(const Pairs& pairs, std::span<const float> target, std::span<const float> stiffness,
+               std::span<Row> positions, size_t begin, size_t end) {
     size_t i = begin;
     for (; i + kLanes <= end; i += kLanes) {
         project_four(&pairs.row_a[i], &pairs.row_b[i], load_lanes(&target[i]),
@@ -54,6 +51,14 @@ void sweep_pairs(const Pairs& pairs, std::span<const float> target, std::span<co
     for (; i < end; ++i) {
         project_pair(positions[pairs.row_a[i]], positions[pairs.row_b[i]], target[i],
                      stiffness.empty() ? 1.0f : stiffness[i]);
+    }
+}
+
+void sweep_group(const Pairs& pairs, size_t group, std::span<const float> target,
+                 std::span<const float> stiffness, std::span<Row> positions) {
+    for (Index run = pairs.group_start[group]; run < pairs.group_start[group + 1]; ++run) {
+        sweep_run(pairs, target, stiffness, positions, size_t(pairs.run_start[run]),
+                  size_t(pairs.run_start[run + 1]));
     }
 }
 
@@ -79,24 +84,20 @@ std::vector<size_t> natural_order(const Pairs& pairs) {
 
 }  // namespace
 
-void relax_coloured(const Model& model, const Targets& targets, const Bounds& bounds, int iterations,
-                    std::span<Vec3> positions) {
+void relax_by_blocks(const Model& model, const Targets& targets, const Bounds& bounds, int iterations,
+                     std::span<Vec3> positions) {
     std::vector<Row> rows = to_sweep(model, positions);
-    const auto sweep = [&](const Pairs& pairs, std::span<const float> target,
-                           std::span<const float> stiffness) {
-        for (size_t c = 0; c + 1 < pairs.colour_start.size(); ++c) {
-            const size_t first = size_t(pairs.colour_start[c]);
-            for_each_part(size_t(pairs.colour_start[c + 1]) - first, kLeastPairs,
-                          [&](size_t begin, size_t end) {
-                              sweep_pairs(pairs, target, stiffness, rows, first + begin, first + end);
-                          });
-        }
+    const size_t blocks = model.block_row.size() - 1;
+    const auto sweep = [&](size_t group) {
+        sweep_group(model.distance, group, targets.distance, {}, rows);
+        sweep_group(model.bending, group, targets.bending, targets.stiffness, rows);
     };
     for (int i = 0; i < iterations; ++i) {
-        sweep(model.distance, targets.distance, {});
-        sweep(model.bending, targets.bending, targets.stiffness);
-        for_each_part(rows.size(), kLeastPairs, [&](size_t begin, size_t end) {
-            for (size_t row = begin; row < end; row += kLanes)
+        for_each_block(blocks, kLeastBlocks, [&](size_t block) { sweep(2 * block); });
+        for_each_block(blocks, kLeastBlocks, [&](size_t block) { sweep(2 * block + 1); });
+        for_each_block(blocks, kLeastBlocks, [&](size_t block) {
+            const auto end = size_t(model.block_row[block + 1]);
+            for (auto row = size_t(model.block_row[block]); row < end; row += kLanes)
                 bounds.pull_and_project_four(row / kLanes, four_from(rows, row));
         });
     }

@@ -9,10 +9,11 @@
 
 namespace rumple::wrinkle_mesh {
 
-// Gauss-Seidel colour by colour (section 4.1). Pairs of one colour share no vertex, so their order, the
-// number of threads and how many are projected at a time cannot change a bit.
-void relax_coloured(const Model& model, const Targets& targets, const Bounds& bounds, int iterations,
-                    std::span<Vec3> positions);
+// Gauss-Seidel (section 4.1): all blocks of rows, then what lies between two of them, each colour by colour.
+// What is swept at the same time shares no vertex, so neither the number of threads nor how many pairs are
+// projected at a time can change a bit.
+void relax_by_blocks(const Model& model, const Targets& targets, const Bounds& bounds, int iterations,
+                     std::span<Vec3> positions);
 
 // The printed solver: every constraint in turn, by the vertices it joins, on one thread.
 void relax_in_order(const Model& model, const Targets& targets, const Bounds& bounds, int iterations,

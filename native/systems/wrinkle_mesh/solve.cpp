@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Section 4 of Mueller and Chentanez 2010: the runtime update.
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <limits>
 
@@ -24,29 +23,31 @@ namespace {
 std::vector<float> activity(const Model& model, std::span<const float> lengths, const State& state) {
     std::vector<float> active(model.attached.size(), 0.0f);
     const Lanes shortest = all_lanes(kShortestEdge);
-    const auto take_changed = [&](const Pairs& pairs, size_t begin) {
-        for_each_four(pairs.size(), [&](size_t first, size_t count) {
-            const Lanes difference = load_lanes(&lengths[begin + first], count) -
-                                     load_lanes(&state.solved_length[begin + first], count);
-            const Lanes change =
-                most(difference, -difference) / most(load_lanes(&pairs.rest[first], count), shortest);
-            const Lanes act = smooth_step(kHeldStrain, kFreeStrain, change);
-            if (bits_of(act > Lanes{}) == 0) return;
-            for (size_t k = 0; k < count; ++k) {
-                for (const Index v : {pairs.a[first + k], pairs.b[first + k]})
-                    active[v] = std::max(active[v], act[k]);
-            }
+    const auto take_changed = [&](const Pairs& pairs, size_t before) {
+        for_each_group(pairs, [&](size_t begin, size_t end) {
+            for_each_four(end - begin, [&](size_t first, size_t count) {
+                first += begin;
+                const Lanes difference = load_lanes(&lengths[before + first], count) -
+                                         load_lanes(&state.solved_length[before + first], count);
+                const Lanes change =
+                    most(difference, -difference) / most(load_lanes(&pairs.rest[first], count), shortest);
+                const Lanes act = smooth_step(kHeldStrain, kFreeStrain, change);
+                if (bits_of(act > Lanes{}) == 0) return;
+                for (size_t k = 0; k < count; ++k) {
+                    for (const Index v : {pairs.a[first + k], pairs.b[first + k]})
+                        active[v] = std::max(active[v], act[k]);
+                }
+            });
         });
     };
     take_changed(model.distance, 0);
     take_changed(model.bending, model.distance.size());
     // A solved vertex takes its neighbours along by half: no hard border between held and solved.
     std::vector<float> spread = active;
-    for (size_t i = 0; i < model.distance.size(); ++i) {
-        const Index a = model.distance.a[i], b = model.distance.b[i];
+    for_each_pair(model.distance, [&](size_t, Index a, Index b) {
         spread[a] = std::max(spread[a], 0.5f * active[b]);
         spread[b] = std::max(spread[b], 0.5f * active[a]);
-    }
+    });
     return spread;
 }
 
@@ -57,17 +58,16 @@ void perturb_unbuckled(const Model& model, const Settings& settings, const Pose&
                        std::span<const float> lengths, const Targets& targets, std::span<Vec3> positions) {
     if (settings.nudge <= 0.0f) return;
     std::vector<float> compression(positions.size(), 0.0f);
-    for (size_t i = 0; i < model.distance.size(); ++i) {
+    for_each_pair(model.distance, [&](size_t i, Index a, Index b) {
         const float c = 1.0f - lengths[i] / std::max(targets.distance[i], kShortestEdge);
-        for (const Index v : {model.distance.a[i], model.distance.b[i]})
-            compression[v] = std::max(compression[v], c);
-    }
-    for (size_t v = 0; v < positions.size(); ++v) {
+        for (const Index v : {a, b}) compression[v] = std::max(compression[v], c);
+    });
+    for_each_index(positions.size(), kLeastSteps, [&](size_t v) {
         const float full_at = 0.1f;  // a tenth of compression gets the whole push
         const float size = settings.nudge * model.local_edge[v] * std::min(1.0f, compression[v] / full_at);
-        if (glm::distance(positions[v], pose.attachment[v]) >= size) continue;
+        if (glm::distance(positions[v], pose.attachment[v]) >= size) return;
         positions[v] += size * noise(settings.seed, static_cast<std::uint32_t>(v)) * pose.normal[v];
-    }
+    });
 }
 
 float share_above_zero(std::span<const float> values) {
@@ -103,12 +103,13 @@ void blend(const Model& model, const Settings& settings, std::span<const Vec3> b
 // slow drift adds up until it is solved.
 void remember_lengths(const Model& model, std::span<const float> active, const State& before,
                       std::vector<float>& lengths) {
-    size_t i = 0;
+    size_t first = 0;
     for (const Pairs* pairs : {&model.distance, &model.bending}) {
-        for (size_t k = 0; k < pairs->size(); ++k, ++i) {
+        for_each_index(pairs->size(), kLeastSteps, [&](size_t k) {
             const bool held = active[pairs->a[k]] <= 0.0f && active[pairs->b[k]] <= 0.0f;
-            if (held) lengths[i] = before.solved_length[i];
-        }
+            if (held) lengths[first + k] = before.solved_length[first + k];
+        });
+        first += pairs->size();
     }
 }
 
@@ -152,7 +153,7 @@ int relax_active(const Frame& frame, Relax relax, std::span<const Vec3> start, s
 // positions get where that puts it. Returns the number of vertices that are kept apart.
 Index store_offsets(const Frame& frame, std::span<const Vec3> start, std::span<Vec3> positions,
                     std::vector<Vec3>& offset) {
-    std::atomic<Index> kept_apart = 0;
+    std::vector<std::uint8_t> kept_apart(positions.size(), 0);
     for_each_in_rows(frame.model, [&](size_t v) {
         const bool held = frame.before && frame.active[v] <= 0.0f;
         if (held) positions[v] = start[v];
@@ -160,9 +161,9 @@ Index store_offsets(const Frame& frame, std::span<const Vec3> start, std::span<V
         const bool kept = held && !pushed;
         offset[v] =
             kept ? frame.before->offset[v] : frame.offsets.stored(v, positions[v] - frame.pose.attachment[v]);
-        if (frame.bounds.kept_apart(v, positions[v])) ++kept_apart;
+        kept_apart[v] = frame.bounds.kept_apart(v, positions[v]);
     });
-    return kept_apart;
+    return static_cast<Index>(std::ranges::count(kept_apart, 1));
 }
 
 State solve_with(Relax relax, const Model& model, const Settings& settings, const Paint& paint,
@@ -247,7 +248,7 @@ State solve(const Model& model, const Settings& settings, const Paint& paint, co
 
 State solve_pose(const Model& model, const Settings& settings, const Paint& paint, const Input& input,
                  const Pose& pose, const State* state, Report& report) {
-    return solve_with(relax_coloured, model, settings, paint, input, pose, state, report);
+    return solve_with(relax_by_blocks, model, settings, paint, input, pose, state, report);
 }
 
 State solve_in_order(const Model& model, const Settings& settings, const Paint& paint, const Input& input,

@@ -74,14 +74,16 @@ struct Paint {
     std::shared_ptr<const GuideLines> guide{};
 };
 
-// Distance constraints between pairs of solved vertices, ordered by colour: no
-// two of one colour share a vertex.
+// Distance constraints between pairs of solved vertices, in the order of the sweeps: those within a block of
+// rows, those between it and the next, and so on. Each of these groups is ordered by colour: no two of one
+// colour share a vertex.
 struct Pairs {
     std::vector<Index> a;
     std::vector<Index> b;
     std::vector<Index> row_a, row_b;  // Model::row_of them
     std::vector<float> rest;          // measured at rest, before s, object units
-    std::vector<Index> colour_start;  // colours + 1
+    std::vector<Index> run_start;     // runs + 1: a run has the pairs of one colour of one group
+    std::vector<Index> group_start;   // groups + 1: runs of a group. 2 k: within block k; 2 k + 1: to k + 1
 
     size_t size() const { return a.size(); }
 };
@@ -107,9 +109,11 @@ struct Model {
         rest_offset;  // own mesh: from surface to rest position, in the smooth frame; else empty
     Pairs distance;
     Pairs bending;
-    // Sweeps hold the vertices in rows along the longest axis of the mesh, and threads have parts of them:
-    // what lies where two parts meet, and is handed from one processor to the other, is little.
+    // Sweeps hold the vertices in rows along the longest axis of the mesh, and threads have blocks of them.
+    // Pairs within a block share no vertex with those within another one, and pairs between two blocks none
+    // with those between two others.
     std::vector<Index> vertex_of_row, row_of;
+    std::vector<Index> block_row;    // blocks + 1: the first row of every block, a multiple of kLanes
     std::vector<float> local_edge;   // per solved vertex: mean rest length of the edges around it
     std::vector<Index> border_ring;  // per solved vertex: edges to the nearest open border; -1: none
     std::vector<std::array<Index, 3>> triangles;  // of the solved mesh, for areas
