@@ -4,8 +4,9 @@ simulated before.
 
     scripts/ground_truth demo --garment trousers --frames 40-50 --lead 30+24
     scripts/ground_truth demo --garment shirt --frames 1-30 --lead 16+6
-    scripts/ground_truth ../shared/data/S1_walk_shirt.blend --garment shirt --frames 60-63 --lead 30+24
+    scripts/ground_truth ../shared/data/S1_walk_shirt.blend --garment shirt --frames 60-63 --lead 30+24 # and trousers
     scripts/ground_truth ../shared/data/S2_squat_trousers.blend --garment trousers --frames 20-23 --lead 30+24
+    scripts/ground_truth ../shared/data/S2_squat_trousers.blend --garment sweater --frames 20-23 --lead 30+24
     RUMPLE_NATIVE=build/release/python blender -b --factory-startup --python-exit-code 1 \
         --python docs/pictures/make_ground_truth.py [-- FOLDER]  # of the simulations, out/ground_truth
 """
@@ -28,8 +29,9 @@ import truth_sheet  # noqa: E402
 from truth_run import open_scene  # noqa: E402
 from truth_sheet import Shown  # noqa: E402
 
-PICTURED = (("demo", "trousers", 48), ("demo", "shirt", 22), ("S2_squat_trousers", "trousers", 23),
-            ("S1_walk_shirt", "shirt", 63))
+PICTURED = (("demo", "trousers", 48), ("demo", "shirt", 22), ("S1_walk_shirt", "trousers", 63),
+            ("S1_walk_shirt", "shirt", 63), ("S2_squat_trousers", "trousers", 23),
+            ("S2_squat_trousers", "sweater", 23))
 WIDTH = 400  # pixels of a tile
 
 
@@ -63,7 +65,7 @@ def main() -> None:
             row(name, garment, frame, folder, Path(made))
             rows.append(Image.open(Path(made) / "sheet.png").convert("RGB"))
     wide, high = rows[0].size
-    sheet = Image.new("RGB", (2 * wide, 2 * high))
+    sheet = Image.new("RGB", (2 * wide, (len(rows) + 1) // 2 * high))
     for number, picture in enumerate(rows):
         sheet.paste(picture, (number % 2 * wide, number // 2 * high))
     small = sheet.resize((1680, round(1680 * sheet.height / sheet.width)), Image.LANCZOS)
