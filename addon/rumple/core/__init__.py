@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What Rumple does, without Blender: settings, engine, history. Never imports bpy."""
+"""Everything that Rumple computes without Blender: settings, engine, frame cache, clips. Never imports bpy."""

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Blend files that `attach` saved: each counts as the file that its clips were baked from. No bpy here.
+"""Notes about blend files that `attach` saved: such a file counts as the file that its clips were baked from.
 
-A note beside the clips has the digest of the saved file in its name and that of the former one as its text. Whoever
-else saves the file changes its bytes, so the note is of another file then.
+A note lies beside the clips. Its name contains the digest of the saved file, its text is the digest of the original
+file. If anyone saves the file again, its bytes change, and the note no longer applies to it. Never imports bpy.
 """
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ from . import clip_folder
 
 
 def write_note(folder: Path, saved: bytes, counts_as: bytes) -> None:
-    """saved, counts_as: digests of the bytes of two files. Raises OSError."""
+    """Write the note. saved, counts_as: digests of the bytes of the two files. Raises OSError."""
     with clip_folder.written(_note(folder, saved)) as note:
         note.write_text(counts_as.hex())
 
 
 def counts_as(folders: Iterable[Path], content: bytes) -> bytes:
-    """The digest that stands for a file of this digest: its own, where none of the folders has a note of it."""
+    """The digest that the file counts as. It is its own digest where no folder has a note about it."""
     for folder in folders:
         try:
             with open(_note(folder, content), encoding="ascii") as note:

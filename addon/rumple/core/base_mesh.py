@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A coarse mesh at rest, checked. Never imports bpy."""
+"""BaseMesh: a coarse mesh at rest, and how it becomes a checked surface. Never imports bpy."""
 from __future__ import annotations
 
 import contextlib
@@ -16,15 +16,15 @@ from .healing import Origin, creases_of, origin_of, origin_of_itself
 from .rigid_parts import RigidParts
 from .wording import user_error
 
-_built: dict[bytes, Any] | None = None  # of built_once(): what the library made of which arrays
+_built: dict[bytes, Any] | None = None  # results of the library within built_once(), by digest of the arrays
 MOST_LEVEL = 5  # subdivisions
 RAISE_MOST = "raise Most Vertices"  # how the limit on a fine mesh is lifted
 
 
 @contextlib.contextmanager
 def built_once() -> Iterator[None]:
-    """Within it equal arrays are healed once, and made a surface once. For the first click, which looks at a garment
-    several times before its wrinkles are built. Holds all of them until its end."""
+    """A context in which equal arrays are healed only once, and made a surface only once. It is for the first click,
+    which reads a garment several times before its wrinkles are built. All results are kept until the context ends."""
     global _built
     _built = {}
     try:
@@ -43,12 +43,14 @@ class BaseMesh:
     corner_vertex: np.ndarray  # (c,) int32
     triangle_corner: np.ndarray  # (t, 3) int32, corner indices
     uv: np.ndarray | None = None  # (c, 2) float32 of the UV map that renders use
-    origin: Origin | None = None  # of a healed mesh, or one without rigid parts: where its elements come from
-    rigid: RigidParts | None = None  # that it is without
-    painted_rigid: np.ndarray | None = None  # (n,) bool of the artist's vertices: of parts that are rigid by paint
-    narrowest: float = 1.0  # the smallest factor on the width of folds that is painted, as narrowest_of() has it
-    crease_edge: np.ndarray | None = None  # (k, 2) int32, vertices of edges that the fine mesh rounds less
-    crease_sharpness: np.ndarray | None = None  # (k,) float32: for how many subdivisions; from 10 on for ever
+    origin: Origin | None = None  # where its elements come from, if it was healed or its rigid parts were removed
+    rigid: RigidParts | None = None  # the rigid parts that were removed from it
+    painted_rigid: np.ndarray | None = None  # (n,) bool of the artist's vertices: painted as rigid
+    narrowest: float = 1.0  # the smallest painted factor on the width of folds, see narrowest_of()
+    # (k, 2) int32, vertices of the creased edges, which the fine mesh rounds less
+    crease_edge: np.ndarray | None = None
+    # (k,) float32: for how many subdivisions an edge stays sharp; 10 or more: always
+    crease_sharpness: np.ndarray | None = None
 
     @functools.cached_property
     def triangles(self) -> np.ndarray:
@@ -56,7 +58,7 @@ class BaseMesh:
         return self.corner_vertex[self.triangle_corner]
 
     def healed(self, weld: bool) -> "BaseMesh":
-        """This mesh, or where it is no oriented manifold a copy that is one. Raises UserError."""
+        """This mesh if it is an oriented manifold, otherwise a healed copy. Raises UserError."""
         if self.origin is not None:
             return self
         healed = self._native(kernels.heal_mesh, weld)
@@ -73,16 +75,16 @@ class BaseMesh:
         return mesh
 
     def own_origin(self) -> Origin:
-        """Also of a mesh that is as the artist has it."""
+        """Where its elements come from, also for a mesh that was not changed."""
         return self.origin or origin_of_itself(len(self.positions), len(self.polygon_start) - 1,
                                                len(self.corner_vertex))
 
     def surface(self, weld: bool) -> kernels.Surface:
-        """The checked native surface. Raises UserError where the mesh is no oriented manifold."""
+        """The checked native surface. Raises UserError if the mesh is not an oriented manifold."""
         return self._native(kernels.build_surface, weld, self.crease_edge, self.crease_sharpness)
 
     def points(self, values: np.ndarray) -> np.ndarray:
-        """(n, ...) of the artist's vertices -> of this mesh's."""
+        """Values (n, ...) of the artist's vertices -> the same values of this mesh's vertices."""
         return values if self.origin is None else values[self.origin.vertex]
 
     def _native(self, build: Callable[..., Any], weld: bool, *more: np.ndarray | None) -> Any:
@@ -99,7 +101,8 @@ class BaseMesh:
         return made
 
     def only(self, kept: np.ndarray) -> "BaseMesh":
-        """Some of its polygons, with all vertices. kept: (p,) bool. What lies on one that is left out goes with it."""
+        """A mesh with some of the polygons and all vertices. kept: (p,) bool. Copies that lie on a removed polygon are
+        removed too."""
         sizes, origin = np.diff(self.polygon_start), self.own_origin()
         corners = np.repeat(kept, sizes)
         polygon, corner = np.cumsum(kept) - 1, np.cumsum(corners) - 1
@@ -134,15 +137,15 @@ class BaseMesh:
 
     def level_within(self, level: int, steps: int, most_vertices: int,
                      corners: int | None = None) -> tuple[int, list[str]]:
-        """Of affordable_level(): as many subdivisions as are asked for, or fewer, and what to say then. corners: of the
-        polygons that are subdivided; None: its own."""
+        """affordable_level() of this mesh, and a message if it is less than was asked for. corners: how many corners
+        the subdivided polygons have; None: those of this mesh."""
         affordable = affordable_level((len(self.corner_vertex) if corners is None else corners) // 4, level, steps,
                                       most_vertices)
         return affordable, [] if affordable == level else [
             f"{self.name}: finer folds are asked for than {most_vertices:,} vertices allow: {RAISE_MOST}"]
 
     def diagonal(self) -> float:
-        """Of the bounding box without rigid parts and loose vertices, object units."""
+        """Diagonal of the bounding box, object units. Rigid parts and loose vertices do not count."""
         counts = np.zeros(len(self.positions), bool)
         counts[self.corner_vertex] = True
         if self.rigid is not None:
@@ -151,8 +154,8 @@ class BaseMesh:
 
 
 def affordable_level(vertices: int, level: int, steps: int, most_vertices: int) -> int:
-    """As many subdivisions of so many vertices as are asked for, or as make no more than most_vertices. steps: what is
-    subdivided once more to be shown."""
+    """The number of subdivisions, at most `level`, that makes no more than most_vertices of `vertices`. steps: further
+    subdivisions that only the display adds."""
     while level > 0 and vertices * 4**(level + steps) > most_vertices:
         level -= 1
     return level

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a garment is worn over. Never imports bpy."""
+"""Body: the surfaces that a garment is worn over. Never imports bpy."""
 from __future__ import annotations
 
 import hashlib
@@ -8,46 +8,47 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-INSIDE = 0.03  # volume over area^1.5 from which a surface has an inside, as for garments (heal_winding.cpp)
-CLOSED_INSIDE = 0.005  # the same where it is nearly closed: whole bodies have 0.026 to 0.047, a long pole 0.018
-NEARLY_CLOSED = 0.2  # opening over area; bodies with a hole at the neck 0.05, a bowl 0.5
+INSIDE = 0.03  # least volume / area^1.5 of a surface that has an inside, as for garments (heal_winding.cpp)
+CLOSED_INSIDE = 0.005  # the same for a nearly closed surface: whole bodies have 0.026 to 0.047, a long pole 0.018
+NEARLY_CLOSED = 0.2  # most opening / area; bodies with a hole at the neck have 0.05, a bowl has 0.5
 
 
 @dataclass(frozen=True)
 class Body:
-    """The surfaces that cloth stays outside of, as they stand in a frame; all bodies of a garment in one."""
+    """The surfaces that the cloth stays outside of, in the pose of one frame. It joins all bodies of a garment."""
 
     positions: np.ndarray  # (b, 3) float32, object space of the garment
     triangles: np.ndarray  # (t, 3) int32, into positions; counter-clockwise seen from outside
-    digest: bytes = b""  # digest_of_triangles(), where it is kept from frame to frame
-    rest: np.ndarray | None = None  # (b, 3) float32: its place while the garment is as at rest, NaN where not known
+    digest: bytes = b""  # digest_of_triangles(), if the caller keeps it from frame to frame
+    rest: np.ndarray | None = None  # (b, 3) float32: positions while the garment is at rest, NaN where not known
 
     def arrays(self) -> tuple[np.ndarray, np.ndarray]:
-        """What tells it from another, for digests."""
+        """The arrays that identify it, for digests."""
         return self.positions, np.frombuffer(self.digest or digest_of_triangles(self.triangles, self.rest), np.uint8)
 
     def same_as(self, other: "Body | None") -> bool:
-        """Whether both are the same surfaces at the same places, to the bit."""
+        """Whether both are the same surfaces at the same positions, bit for bit."""
         return (other is not None and np.array_equal(self.positions, other.positions)
                 and same_triangles(self.triangles, other.triangles))
 
 
 class OwnSkin:
-    """Skin in the mesh of a garment: the garment's own body."""
+    """Skin that is part of a garment's mesh. It acts as a body of this garment."""
 
     def __init__(self, triangles: np.ndarray) -> None:
         """triangles: (t, 3) int32, vertices of the garment's mesh."""
         self.triangles = triangles
         self._vertices, rows = np.unique(triangles, return_inverse=True)
         self._own = np.ascontiguousarray(rows.reshape(-1, 3), np.int32)  # rows of _vertices
-        self._joined: tuple[Body | None, Body] | None = None  # with which body, and what it became
+        self._joined: tuple[Body | None, Body] | None = None  # the last body that was joined, and the result
 
     def is_all_of(self, body: Body) -> bool:
-        """Whether joined() added nothing to it."""
+        """Whether a body from joined() consists of this skin only."""
         return len(self._own) > 0 and len(body.positions) == len(self._vertices)
 
     def joined(self, positions: np.ndarray, body: Body | None) -> Body | None:
-        """A body, or none, and the skin. positions: (n, 3) float32 of the garment's mesh in the frame."""
+        """The body with the skin added; body may be None. positions: (n, 3) float32 of the garment's mesh in the
+        frame."""
         if not len(self._own):
             return body
         own = positions[self._vertices]
@@ -63,7 +64,7 @@ class OwnSkin:
 
 
 def digest_of_triangles(triangles: np.ndarray, rest: np.ndarray | None = None) -> bytes:
-    """16 bytes. triangles: (t, 3) int32. rest: of a Body."""
+    """16 bytes. triangles: (t, 3) int32. rest: as in Body."""
     digest = hashlib.blake2b(np.ascontiguousarray(triangles).data, digest_size=16)
     if rest is not None:
         digest.update(np.ascontiguousarray(rest).data)
@@ -71,7 +72,7 @@ def digest_of_triangles(triangles: np.ndarray, rest: np.ndarray | None = None) -
 
 
 def joined_rest(parts: list[tuple[int, np.ndarray | None]]) -> np.ndarray | None:
-    """Of all bodies of a garment, as a Body has it. parts: how many vertices each has, and its own."""
+    """Body.rest for all bodies of a garment together. parts: number of vertices and own rest of each body."""
     if all(rest is None for _, rest in parts):
         return None
     unknown = [np.full((count, 3), np.nan, np.float32) if rest is None else rest for count, rest in parts]
@@ -79,7 +80,7 @@ def joined_rest(parts: list[tuple[int, np.ndarray | None]]) -> np.ndarray | None
 
 
 def same_at_rest(one: Body | None, other: Body | None) -> bool:
-    """Whether both are the same surfaces, in whatever pose."""
+    """Whether both are the same surfaces, in any pose."""
     if one is None or other is None:
         return one is other
     return same_triangles(one.triangles, other.triangles) and _same_rest(one.rest, other.rest)
@@ -92,12 +93,13 @@ def _same_rest(some: np.ndarray | None, others: np.ndarray | None) -> bool:
 
 
 def same_triangles(some: np.ndarray, others: np.ndarray) -> bool:
-    """Of bodies: mostly these are one array, frame after frame."""
+    """Whether two bodies have equal triangles. Usually both are the same array, so no element is compared."""
     return some is others or np.array_equal(some, others)
 
 
 def facing_outwards(positions: np.ndarray, triangles: np.ndarray) -> np.ndarray:
-    """The triangles (t, 3), turned where the surface (n, 3) is inside out: Blender shows such a body as any other."""
+    """The triangles (t, 3), reversed if the surface (n, 3) is inside out. Blender shows such a body like any other, so
+    artists do not notice it."""
     return triangles[:, ::-1] if side(positions, triangles) < 0 else triangles
 
 
@@ -109,12 +111,12 @@ def side(positions: np.ndarray, triangles: np.ndarray) -> int:
 
 
 def is_nearly_closed(positions: np.ndarray, triangles: np.ndarray) -> bool:
-    """Whether it has an inside that no bending turns outside: a hood that is blown through is not mirrored."""
+    """Whether its inside stays inside however it bends. A hood, for example, can turn inside out."""
     return _inside(positions, triangles)[2] < NEARLY_CLOSED
 
 
 def volume_share(positions: np.ndarray, triangles: np.ndarray) -> float:
-    """Volume over area^1.5 of a surface: a ball has 0.094, a body 0.03, clothes with a thickness less than 0.01."""
+    """Volume / area^1.5 of a surface. A ball has 0.094, a body 0.03, clothes with a thickness less than 0.01."""
     volume, area, _ = _inside(positions, triangles)
     return abs(volume) / area ** 1.5 if area > 0.0 else 0.0
 
@@ -122,14 +124,15 @@ def volume_share(positions: np.ndarray, triangles: np.ndarray) -> float:
 def _inside(positions: np.ndarray, triangles: np.ndarray) -> tuple[float, float, float]:
     """Volume, area, and the opening's share of the area.
 
-    Holes, as where skin was deleted under clothes, do not count: the volume is measured from the surface's middle.
-    2 ms for 28,000 triangles, where np.cross takes 12.
+    The volume is measured from the centre of the surface, so holes change little (skin deleted under clothes, for
+    example). It takes 2 ms for 28,000 triangles; np.cross would take 12 ms.
     """
-    with np.errstate(all="ignore"):  # positions that are not finite have no volume that is more than another
+    with np.errstate(all="ignore"):  # positions that are not finite give NaN, and each comparison with it is false
         columns = np.ascontiguousarray(positions.T)
         a, b, c = (columns[:, corner] for corner in np.ascontiguousarray(triangles.T))
         u, v = b - a, c - a
-        normal = [u[k - 2] * v[k - 1] - u[k - 1] * v[k - 2] for k in range(3)]  # twice as long as the triangle is large
+        # The length of a normal is twice the triangle's area.
+        normal = [u[k - 2] * v[k - 1] - u[k - 1] * v[k - 2] for k in range(3)]
         areas = np.sqrt(normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2])
         twice = float(areas.sum(dtype=np.float64))
         if not twice > 0.0:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Painting rest-pose wrinkles on plain arrays: the path of the stroke, and the surface under it. Never imports bpy.
+"""Painting of rest-pose wrinkles on plain arrays: the path of the stroke, and the surface under it. Never imports bpy.
 
 A painted value is a tangent vector of the rest pose, across the folds, shorter than 1; v and -v mean the same.
 """
@@ -16,14 +16,14 @@ from .wording import user_error
 from .wrinkle_field import WrinkleField
 
 SPACING = 0.25  # of the brush's radius, from dab to dab
-LEAST_SPACING = 8.0  # pixels: less says too little about the direction of a hand that moves by whole pixels
+LEAST_SPACING = 8.0  # pixels: the mouse moves by whole pixels, so a shorter step has an inexact direction
 DEFAULT_LENGTH = 0.7
 LONGEST = kernels.LONGEST_PAINTED
 
 
 @dataclass(frozen=True)
 class Place:
-    """Where the brush is set down: pixels, the unit direction of the hand there, and how hard it presses (0..1)."""
+    """One dab: its place in pixels, the unit direction of the stroke there, and the pressure (0..1)."""
 
     x: float
     y: float
@@ -33,7 +33,7 @@ class Place:
 
 
 class Hand:
-    """Turns the events of a stroke into places at even distances, so that it does not matter how many came."""
+    """Turns the events of a stroke into places at even distances, so that the number of events does not matter."""
 
     def __init__(self, spacing: float) -> None:
         """spacing: pixels from place to place."""
@@ -42,12 +42,13 @@ class Hand:
         self._moved = False
 
     def press(self, x: float, y: float, pressure: float) -> Place:
-        """The beginning. What it returns has no direction yet: the first move() gives that place again, with one."""
+        """Begin a stroke. The returned place has no direction yet. The first move() returns the same place again, with
+        its direction."""
         self._last = Place(x, y, 0.0, 0.0, pressure)
         return self._last
 
     def move(self, x: float, y: float, pressure: float) -> list[Place]:
-        """The places between the last one and here."""
+        """The places between the last place and this point."""
         last = self._last
         assert last is not None, "move() before press()"
         distance = math.hypot(x - last.x, y - last.y)
@@ -65,25 +66,25 @@ class Hand:
 
 
 class Easel:
-    """A Wrinkle Field that is painted on, in one pose at a time.
+    """The surface of a Wrinkle Field while it is painted on, in one pose at a time.
 
-    Positions, and everything else that is given or handed out in space, are in the world: angles are those that are
-    seen, whatever the object's scale. Painted values are (n, 3) float32, per vertex of the coarse mesh, rest space.
+    Positions and all other values in space are in world space. So angles are the visible ones, whatever the object's
+    scale. Painted values are (n, 3) float32, per vertex of the coarse mesh, in rest space.
     """
 
     def __init__(self, field: WrinkleField) -> None:
         self.field = field
         self.name = field.base.name
-        self.positions: np.ndarray | None = None  # (n, 3) float32 of the pose, of the field's base
+        self.positions: np.ndarray | None = None  # (n, 3) float32: the field's base in this pose
         self._canvas: Any = None
         self._twins: Any = None
 
     def triangles(self) -> np.ndarray:
-        """(t, 3) vertices of the triangles that `positions` are of."""
+        """(t, 3): the triangles, as rows of `positions`."""
         return self.field.base.triangles
 
     def pose(self, positions: np.ndarray) -> bool:
-        """Take another pose, (n, 3). True when it is another. Raises UserError."""
+        """Set the pose, (n, 3). Returns whether it differs from the last one. Raises UserError."""
         positions = np.ascontiguousarray(positions, np.float32)
         if self.positions is not None and np.array_equal(positions, self.positions):
             return False
@@ -92,21 +93,21 @@ class Easel:
         return True
 
     def dab(self, painted: np.ndarray, mirror: bool, **how: Any) -> np.ndarray:
-        """The brush set down once: painted anew. how: see rumple_native.apply_dab. Raises UserError."""
+        """The painted values after one dab. how: see kernels.apply_dab. Raises UserError."""
         if mirror and self._twins is None:
             self._twins = kernels.find_twins(self.field.model)
         before = np.ascontiguousarray(self.field.base.points(painted))
         after = self._checked(kernels.apply_dab, self.field.model, self._canvas, before,
                               twins=self._twins if mirror else None, **how)
-        return after[:len(painted)]  # where a mesh was cut, copies of vertices stand at the same place
+        return after[:len(painted)]  # healing may have cut the mesh: the copied vertices are at the end
 
     def lines(self, painted: np.ndarray, across: bool) -> tuple[np.ndarray, np.ndarray]:
-        """For an overlay: ends (2 m, 3) and strengths (m,). See rumple_native.draw_rest_wrinkles. Raises UserError."""
+        """Lines for an overlay: ends (2 m, 3) and strengths (m,). See kernels.draw_rest_wrinkles. Raises UserError."""
         return self._checked(kernels.draw_rest_wrinkles, self.field.model, self._canvas,
                              np.ascontiguousarray(self.field.base.points(painted)), across)
 
     def scatter(self, seed: int, density: float, size: float, length: float) -> np.ndarray:
-        """Random wrinkles. size: metres. See rumple_native.scatter_rest_wrinkles. Raises UserError."""
+        """Random wrinkles. size: metres. See kernels.scatter_rest_wrinkles. Raises UserError."""
         return self._checked(kernels.scatter_rest_wrinkles, self.field.model, seed, density,
                              size / self.field.unit_scale, length)[:self.field.coarse_count]
 

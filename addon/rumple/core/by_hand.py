@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What an artist asks for by hand, of every system alike: smooth places, rigid patches, and folds along guides. Never
-imports bpy."""
+"""Changes that an artist makes by hand, the same in every system: smooth places, rigid patches, folds along guides.
+Never imports bpy."""
 from __future__ import annotations
 
 from dataclasses import dataclass, field
@@ -19,20 +19,20 @@ from .shown_mesh import ShownMesh
 
 @dataclass
 class ByHand:
-    """Of one garment, for all of its frames."""
+    """These changes of one garment, for all frames."""
 
-    smooth: np.ndarray | None = None  # (n,) of the base's vertices; None: none, or the system sees itself to it
-    guides: np.ndarray | None = None  # as fold_guides.py has them
+    smooth: np.ndarray | None = None  # (n,) of the base's vertices; None: not painted, or the system itself applies it
+    guides: np.ndarray | None = None  # see fold_guides.py
     rigid: PaintedRigid | None = None
-    said: list[str] = field(default_factory=list)  # of guides that are directions
-    _folds: dict[kernels.ShownMesh, GuidedFolds] = field(default_factory=dict)  # by native mesh that is shown
+    said: list[str] = field(default_factory=list)  # messages about guides that give directions
+    _folds: dict[kernels.ShownMesh, GuidedFolds] = field(default_factory=dict)  # by the native output mesh
 
     @classmethod
     def taken(cls, paint: dict[str, np.ndarray], base: BaseMesh, height_paint: str, solved: dict[str, np.ndarray],
               where_solved: Callable[[np.ndarray], np.ndarray]) -> "ByHand":
-        """From what is painted. solved: the same as the system gets it; what is for us is taken out of it, and its
-        height_paint, as Wrinkles has it, and the directions of guides are set. where_solved: carries values of the
-        base's vertices to those that are solved on."""
+        """From the paint. solved: the paint as the system gets it. This function removes from it what ByHand itself
+        applies, and sets the directions of guides and the paint height_paint (see Wrinkles). where_solved: carries
+        values of the base's vertices to the vertices that are solved."""
         smooth = base.points(paint[SMOOTH]) if SMOOTH in paint else None
         rigid = PaintedRigid(base.points(paint[RIGID]), base) if RIGID in paint else None
         rigid = rigid if rigid is not None and rigid.count else None
@@ -47,24 +47,25 @@ class ByHand:
         if height_paint:
             for left in ([share_of_folds(smooth)] if smooth is not None else []) + ([rigid.left()] if rigid else []):
                 solved[height_paint] = solved.get(height_paint, np.float32(1.0)) * left
-            smooth = None  # the system sees itself to it
+            smooth = None  # the system itself applies it
         return cls(smooth, guides if guides is not None and len(guides) else None, rigid, said)
 
     def __bool__(self) -> bool:
-        """Whether results are changed."""
+        """Whether it changes any result."""
         return self.smooth is not None or self.guides is not None or self.rigid is not None
 
     def add_to(self, result: FrameResult, mesh: ShownMesh, base: np.ndarray, over: np.ndarray,
                heights: tuple[str, ...]) -> None:
-        """mesh: that the result is of. base: positions that it is embedded in; over: where the base cloth has them, or
-        what stands for a dense base. heights: attributes that say how high folds are."""
+        """Change the result of one frame. mesh: the mesh of the result. base: the positions that it is embedded in.
+        over: the same positions on the base cloth, or those that represent a dense base. heights: names of the
+        attributes that contain the height of folds."""
         if self.smooth is not None or self.guides is not None:
             self._fold(result, mesh.shown, base, heights)
         if self.rigid is not None:
             self.rigid.add_to(result, mesh, base, over, heights)
 
     def _fold(self, result: FrameResult, shown: kernels.ShownMesh, base: np.ndarray, heights: tuple[str, ...]) -> None:
-        """Take folds away, and add those along guides."""
+        """Remove folds where it is painted smooth, and add the folds along guides."""
         folds = None if self.guides is None else self._folds_on(shown)
         left = np.ones(len(result.positions), np.float32) if self.smooth is None else left_on_shown(self.smooth, shown)
         depths = left if folds is None else left[folds.rows]
@@ -82,7 +83,7 @@ class ByHand:
             result.attributes[name] = result.attributes[name] * left
 
     def notes(self, name: str) -> list[str]:
-        """What is to be said of the guides, for the artist. name: of the object."""
+        """Messages for the artist about the guides. name: of the object."""
         notes = [note for folds in list(self._folds.values())[:1] for note in folds.notes]
         return [f"{name}: {note}" for note in self.said + notes]
 

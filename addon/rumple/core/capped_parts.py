@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Garments of games whose sleeves, legs, collar and hem are closed by caps, so that nobody looks into them. The caps
-are hidden inside of the body and of other clothes: they are no cloth. Never imports bpy."""
+"""Finds caps: flat panels that close the sleeves, legs, collar and hem of garments made for games. A cap is hidden
+inside the body or inside other clothes. It is not cloth, so it gets no folds. Never imports bpy."""
 from __future__ import annotations
 
 import math
@@ -13,22 +13,23 @@ from .connected import lowest_connected
 from .triangles import area_vectors, vertex_normals
 from .vertices import PAIRS_AT_ONCE, diagonals, lengths, nearest_of, pair_keys, sample_of
 
-INSIDE = 0.5  # winding number
-MOSTLY = 0.5  # of the vertices of a border: where it ends
-CREASE = math.cos(math.radians(40.0))  # between the normals of neighbours: at a cap there are 50 degrees and more
-FLAT, MOST_AREA = 0.5, 0.2  # of a cap: how much of its area looks one way, and its share of the garment's
-ROUND = 0.06  # its area over its diagonal squared, at least: of a disc 0.4, of the strip of a pleat 0.03 and less
-UPRIGHT = 0.7  # cosine between the normals of a cap and of what goes through it, at most
+INSIDE = 0.5  # winding number from which a point is inside
+MOSTLY = 0.5  # share of a border's vertices that are inside a part: then the border ends in it
+# cosine between the normals of neighbours: at the edge of a cap the angle is 50 degrees or more
+CREASE = math.cos(math.radians(40.0))
+FLAT, MOST_AREA = 0.5, 0.2  # of a cap: least share of its area that faces one way; largest share of the garment's area
+ROUND = 0.06  # least area / diagonal^2 of a cap: a disc has 0.4, the strip of a pleat at most 0.03
+UPRIGHT = 0.7  # largest cosine between the normals of a cap and of the part that goes through it
 # Abramowitz and Stegun, Handbook of Mathematical Functions, 4.4.49.
 ARC_TANGENT = (-0.3333314528, 0.1999355085, -0.1420889944, 0.1065626393, -0.0752896400, 0.0429096138, -0.0161657367,
                0.0028662257)
-OF_CAP, OF_BODY = 24, 500  # polygons, and vertices, that are looked at
-MOST_PANELS = 500  # the largest that may be caps
+OF_CAP, OF_BODY = 24, 500  # how many polygons of a cap, and how many vertices of a body, are sampled
+MOST_PANELS = 500  # how many panels are tested, the largest ones
 
 
 def ends_in(base: BaseMesh, ends: list[tuple[int, np.ndarray]], part: np.ndarray, hosts: np.ndarray) -> np.ndarray:
-    """(k, h) bool: which borders end inside of which parts. ends: k times the part of a border, and vertices of it.
-    part: (n,) of the vertices. hosts: (h,) numbers of parts that are closed, or nearly so. Cost: that of winding()."""
+    """(k, h) bool: which borders end inside which parts. ends: for each border its part and some of its vertices. part:
+    (n,) the part of each vertex. hosts: (h,) numbers of parts that are closed or nearly closed. Cost: see winding()."""
     of_triangle = part[base.triangles[:, 0]]
     inside = np.zeros((len(ends), len(hosts)), bool)
     for column, host in enumerate(hosts.tolist()):
@@ -43,10 +44,10 @@ def ends_in(base: BaseMesh, ends: list[tuple[int, np.ndarray]], part: np.ndarray
 
 def find_caps(base: BaseMesh, part: np.ndarray, place: np.ndarray, garments: np.ndarray,
               bodies: np.ndarray) -> np.ndarray:
-    """(p,) the number of the cap that each polygon is of, counted from 1; 0 for none. Caps are flat panels of garments
-    between creases, across another part that they reach into. part, place: (n,) of the vertices, as connected.py has
-    them. garments: (parts,) bool, what may have caps; bodies: (parts,) bool, what may go through them: limbs, and other
-    garments. Cost: 20 ms for 10,000 polygons, and that of winding()."""
+    """(p,) for each polygon the number of its cap, counted from 1; 0: it belongs to none. A cap is a flat panel of a
+    garment, bounded by creases, and another part goes through it. part, place: (n,) of the vertices, see connected.py.
+    garments: (parts,) bool, parts that may have caps. bodies: (parts,) bool, parts that may go through them: limbs and
+    other garments. Cost: 20 ms for 10,000 polygons, and the cost of winding()."""
     own = part[base.corner_vertex[base.polygon_start[:-1]]]
     caps = np.zeros(len(own), bool)
     asked = np.flatnonzero(garments[own])
@@ -73,7 +74,7 @@ def find_caps(base: BaseMesh, part: np.ndarray, place: np.ndarray, garments: np.
 
 
 def _sizes(base: BaseMesh, panel: np.ndarray, count: int) -> np.ndarray:
-    """(count,) the diagonals of panels. panel: (p,) of the polygons, -1 for none."""
+    """(count,) the diagonals of panels. panel: (p,) the panel of each polygon, -1 for none."""
     of_corner = np.repeat(panel, np.diff(base.polygon_start))
     points, of = base.positions[base.corner_vertex[of_corner >= 0]], of_corner[of_corner >= 0]
     return diagonals(points, of, count)
@@ -92,9 +93,9 @@ def _numbered(base: BaseMesh, place: np.ndarray, chosen: np.ndarray) -> np.ndarr
 
 
 def winding(points: np.ndarray, corners: np.ndarray) -> np.ndarray:
-    """(n,) float64: how often triangles (t, 3, 3) go around points (n, 3), without its sign (Jacobson, Kavan and
-    Sorkine-Hornung 2013, equation 5, with the solid angles of van Oosterom and Strackee 1983). Cost: half a
-    microsecond for each pair."""
+    """(n,) float64: the absolute winding numbers of triangles (t, 3, 3) around points (n, 3) (Jacobson, Kavan and
+    Sorkine-Hornung 2013, equation 5, with the solid angles of van Oosterom and Strackee 1983). Cost: half a microsecond
+    for each pair of a point and a triangle."""
     out = np.zeros(len(points))
     step = max(PAIRS_AT_ONCE // max(len(corners), 1), 1)
     for first in range(0, len(points), step):
@@ -108,7 +109,7 @@ def winding(points: np.ndarray, corners: np.ndarray) -> np.ndarray:
 
 
 def _angle(y: np.ndarray, x: np.ndarray) -> np.ndarray:
-    """As numpy.arctan2, to 2e-8, with the same bits everywhere."""
+    """Like numpy.arctan2, exact to 2e-8, with the same bits on every system."""
     high, low = np.maximum(np.abs(x), np.abs(y)), np.minimum(np.abs(x), np.abs(y))
     ratio = low / np.maximum(high, 1e-300)
     square, series = ratio * ratio, np.zeros_like(ratio)
@@ -122,7 +123,7 @@ def _angle(y: np.ndarray, x: np.ndarray) -> np.ndarray:
 
 @dataclass(frozen=True)
 class _Body:
-    """What may be inside of a garment."""
+    """A part that may be inside a garment."""
 
     corners: np.ndarray  # (t, 3, 3) of its triangles
     low: np.ndarray  # (3,) of its box
@@ -138,23 +139,25 @@ class _Body:
                    normals / np.maximum(lengths(normals), 1e-30)[:, None])
 
     def goes_through(self, points: np.ndarray, normal: np.ndarray) -> bool:
-        """Whether it goes through a panel: it has some of its points inside, and its surface stands upright there on
-        the panel, as a neck does in a collar. Where skin only comes through cloth, both face the same way."""
+        """Whether it goes through a panel. Then some points of the panel are inside it, and its surface is
+        perpendicular to the panel there, as a neck is in a collar. Where skin only pokes through cloth, both surfaces
+        face the same way."""
         points = points[((points >= self.low) & (points <= self.high)).all(axis=1)]
         if not len(points):
             return False
         nearest = nearest_of(points, self.places, np.arange(len(self.places)))[0]
         across = np.abs(self.normals[nearest] @ normal) / float(lengths(normal))
         behind = ((points - self.places[nearest]) * self.normals[nearest]).sum(axis=1) < 0.0
-        if not (behind & (across < UPRIGHT)).any():  # the strips of a pleat lie along the body: the rest is dear
+        # Strips of a pleat lie along the body. This fast test excludes them before the slow one.
+        if not (behind & (across < UPRIGHT)).any():
             return False
         inside = np.flatnonzero(behind)[winding(points[behind], self.corners) > INSIDE]
         return len(inside) > 0 and bool(across[inside].mean() < UPRIGHT)
 
 
 def _panels(base: BaseMesh, place: np.ndarray, normals: np.ndarray) -> np.ndarray:
-    """(p,) for each polygon the lowest number of those that it is joined with over sides that are no crease. normals:
-    (p, 3) of any length."""
+    """(p,) for each polygon the lowest polygon number of its panel. Polygons are in one panel if sides that are no
+    creases connect them. normals: (p, 3) of any length."""
     key = pair_keys(place[base.sides()], len(place))
     of = np.repeat(np.arange(len(normals)), np.diff(base.polygon_start))
     order = np.argsort(key, kind="stable")

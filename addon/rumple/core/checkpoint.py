@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What lives from one frame to the next as a file: a bake that was ended goes on behind that frame. No bpy here.
+"""Checkpoints: the solver's state after one frame as a file, from which an interrupted bake resumes. No bpy here.
 
-The library checks a state as a whole when it is made of the arrays again; the archive has a checksum of each array.
+The archive has a checksum of each array. The library checks the whole state when it is restored from the arrays.
 """
 from __future__ import annotations
 
@@ -24,30 +24,30 @@ Arrays = dict[str, Any]
 
 
 class CannotGoOn(ValueError):
-    """A checkpoint that is damaged, or of something else."""
+    """A checkpoint that is damaged, or belongs to something else."""
 
 
 @dataclass(frozen=True)
 class Checkpoint:
-    """One frame of a bake."""
+    """The state after one frame of a bake."""
 
     sample: int
     arrays: Arrays
 
     @classmethod
     def of(cls, sample: int, cached: CachedFrame) -> "Checkpoint":
-        """Of a frame that was solved."""
+        """The checkpoint of a solved frame."""
         about = {"inputs": _bytes(cached.input_digest), "chosen": _bytes(cached.settings_digest),
                  "final": np.uint8(cached.final), "chain": _bytes(cached.chain)}
         return cls(sample, {**about, **_state_arrays(cached.state)})
 
     @property
     def input_digest(self) -> bytes:
-        """What the frame was solved for."""
+        """Digest of the inputs that the frame was solved for."""
         return self._array("inputs").tobytes()
 
     def restored(self, evaluator: Wrinkles) -> CachedFrame:
-        """To go on from. Raises CannotGoOn."""
+        """The frame to continue from. Raises CannotGoOn."""
         try:
             state = _state_of(evaluator, self.arrays)
             return CachedFrame.of(state, self.input_digest, self._array("chosen").tobytes(),
@@ -70,14 +70,14 @@ class Checkpoint:
 
     @classmethod
     def read(cls, path: Path | BinaryIO, identity: str) -> "Checkpoint | None":
-        """None where there is none that is whole and of this bake."""
+        """None if the file is missing, damaged or of another bake."""
         try:
             with np.load(path, allow_pickle=False) as stored:
                 arrays = {name: stored[name] for name in stored.files}
             if arrays.pop("bake").tobytes() != identity.encode():
                 return None
             return cls(int(arrays.pop("sample")), arrays)
-        except Exception:  # zipfile, zlib and NumPy have a dozen of their own for damaged files
+        except Exception:  # zipfile, zlib and NumPy raise many different exceptions for damaged files
             return None
 
 
@@ -86,7 +86,7 @@ def _bytes(data: bytes) -> np.ndarray:
 
 
 def carry_frames(former: Wrinkles, to: Wrinkles) -> None:
-    """Go on with the stored frames of wrinkles that are solved to the same bits, and shown otherwise."""
+    """Take over the stored frames of other wrinkles, which are solved to the same bits but displayed differently."""
     def restored(cached: CachedFrame) -> CachedFrame:
         state = _state_of(to, _state_arrays(cached.state))
         return CachedFrame.of(state, cached.input_digest, cached.settings_digest, cached.final, cached.report,
@@ -99,13 +99,14 @@ def carry_frames(former: Wrinkles, to: Wrinkles) -> None:
 
 # ---------------------------------------------------------------- states
 def _named(prefix: str, arrays: Arrays) -> Arrays:
-    """As arrays. NumPy 1 takes a whole number for one of 32 bits on Windows: the file is to be the same everywhere."""
+    """The values as arrays, with a prefix before their names. Python's integers become int64: NumPy 1 would make them
+    32 bits on Windows, and the file must be the same on every system."""
     return {f"{prefix}/{name}": np.asarray(values, np.int64 if type(values) is int else None)
             for name, values in arrays.items()}
 
 
 def _below(prefix: str, arrays: Arrays) -> Arrays:
-    """What _named() named so."""
+    """The arrays with this prefix, without it: the inverse of _named()."""
     return {name[len(prefix) + 1:]: values for name, values in arrays.items() if name.startswith(f"{prefix}/")}
 
 
@@ -134,7 +135,7 @@ def _state_of(evaluator: Wrinkles, arrays: Arrays) -> Any:
 
 
 def _check(arrays: Arrays, expected: tuple[tuple[str, tuple[int, ...], type], ...]) -> None:
-    """Arrays that no function of the library checks. Raises CannotGoOn."""
+    """Check arrays that no function of the library checks. Raises CannotGoOn."""
     for name, shape, dtype in expected:
         if arrays[name].shape != shape or arrays[name].dtype != dtype:
             raise CannotGoOn(f"{name}: expected an array {shape} of {np.dtype(dtype)}")

@@ -1,11 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A baked clip on disk: points in PC2, which Blender's own Mesh Cache reads, and behind them its manifest.
+"""Reads and writes baked clips: points in PC2, which Blender's own Mesh Cache reads, and after them the manifest.
 
-Each sample: the positions of the output mesh, then attributes packed as extra points, block after block, a point for
-each vertex or corner. A node tree unpacks them (blender/nodes/wrinkle_tree.py).
-Behind the last sample, where no reader of PC2 looks: the manifest, its length and checksum, and a mark. One file, so
-one rename puts it in place: whatever happens, the former clip is there whole, or the new one is.
-No bpy here.
+A sample contains the positions of the output mesh, then the attributes, packed as blocks of extra points. A block has
+one point for each vertex or corner. A node tree unpacks them (blender/nodes/wrinkle_tree.py). After the last sample,
+where readers of PC2 do not look, are the manifest, its length and checksum, and a mark. All is in one file because a
+rename replaces one file in one step. So there is always a complete clip: the old or the new one. No bpy here.
 """
 from __future__ import annotations
 
@@ -31,14 +30,14 @@ _MOST_MANIFEST = 1 << 30  # bytes
 
 @dataclass(frozen=True)
 class Block:
-    """Attributes that share a block of points: one vector, or up to three floats."""
+    """A block of points and its attributes: one vector, or up to three floats."""
 
     domain: str
     attributes: tuple[Attribute, ...]
 
 
 def blocks(attributes: tuple[Attribute, ...]) -> list[Block]:
-    """The blocks behind the positions, in order."""
+    """The blocks after the positions, in order."""
     packed = [Block(a.domain, (a,)) for a in attributes if a.vector]
     for domain in ("POINT", "CORNER"):
         floats = [a for a in attributes if a.domain == domain and not a.vector]
@@ -47,12 +46,13 @@ def blocks(attributes: tuple[Attribute, ...]) -> list[Block]:
 
 
 def point_count(vertices: int, corners: int, attributes: tuple[Attribute, ...]) -> int:
-    """Points of a sample of a mesh with so many vertices and corners."""
+    """How many points a sample has for a mesh with this number of vertices and corners."""
     return vertices + sum(vertices if block.domain == "POINT" else corners for block in blocks(attributes))
 
 
 def points_of(result: FrameResult, attributes: tuple[Attribute, ...], before: np.ndarray | None = None) -> np.ndarray:
-    """The points of a sample, (points, 3) float32. before: those of the sample before it, for angles to go on from."""
+    """The points of a sample, (points, 3) float32. before: the points of the previous sample, so that angles stay
+    continuous."""
     packed, done = blocks(attributes), len(result.positions)
     sizes = [len(result.attributes[block.attributes[0].name]) for block in packed]
     points = np.empty((done + sum(sizes), 3), np.float32)
@@ -72,7 +72,7 @@ def points_of(result: FrameResult, attributes: tuple[Attribute, ...], before: np
 
 
 def go_on(points: np.ndarray, vertices: int, attributes: tuple[Attribute, ...], before: np.ndarray) -> None:
-    """Let the angles in the points of a sample go on from those of the sample before it."""
+    """Make the angles in a sample's points continuous with the previous sample."""
     packed = blocks(attributes)
     of_corners = sum(block.domain == "CORNER" for block in packed)
     corners = (len(points) - vertices * (1 + len(packed) - of_corners)) // max(of_corners, 1)
@@ -87,7 +87,7 @@ def go_on(points: np.ndarray, vertices: int, attributes: tuple[Attribute, ...], 
 
 
 def _unwrapped(angles: np.ndarray, before: np.ndarray) -> np.ndarray:
-    """The same angles within half a turn of those before: the cache interpolates them."""
+    """The same angles, within half a turn of the previous ones, because the cache interpolates them."""
     turns = np.round((before - angles) / (2.0 * np.pi))
     return angles + np.float32(2.0 * np.pi) * turns.astype(np.float32)
 
@@ -105,12 +105,13 @@ def size_of(manifest: Manifest) -> int:
 
 
 def checksum(manifest: Manifest) -> int:
-    """Over the checksums of a clip; never 0."""
+    """One checksum over all checksums of a clip; never 0."""
     return zlib.crc32(np.array(manifest.checksums, "<u4").tobytes()) or 1
 
 
 class SampleWriter:
-    """Writes samples one after the other; nothing stands at the path before commit(). All raise ClipFault."""
+    """Writes samples one after the other. The file appears at its path only with commit(). All methods raise
+    ClipFault."""
 
     def __init__(self, clip: Path, manifest: Manifest) -> None:
         clip_folder.make(clip.parent, size_of(manifest))
@@ -133,7 +134,7 @@ class SampleWriter:
         self.file.write(header(self.manifest))
 
     def add_points(self, points: np.ndarray) -> None:
-        """(points, 3) of one sample."""
+        """Write one sample, (points, 3)."""
         if len(points) != self.manifest.points:
             raise ValueError(f"expected {self.manifest.points} points, got {len(points)}")
         data = np.ascontiguousarray(points, "<f4").data
@@ -141,7 +142,7 @@ class SampleWriter:
         self.manifest.checksums.append(zlib.crc32(data))
 
     def seal(self) -> None:
-        """All that can still fail for want of room."""
+        """Do everything that can still fail because the disk is full."""
         self._do(self._seal)
 
     def _seal(self) -> None:
@@ -153,7 +154,7 @@ class SampleWriter:
         self.file.close()
 
     def commit(self) -> None:
-        """Move what was sealed into place."""
+        """Move the sealed file into place."""
         self._do(clip_folder.put, self.temporary, self.clip)
 
     def take_back(self) -> None:
@@ -161,7 +162,7 @@ class SampleWriter:
         self._do(clip_folder.put, self.clip, self.temporary)
 
     def discard(self) -> None:
-        """Leave what stood there before. Never raises: what is buffered may not fit on the disk."""
+        """Give up, and leave the former clip in place. Never raises: closing may fail because the disk is full."""
         for action in (self.file.close if self.file is not None else None, self.temporary.unlink):
             try:
                 if action is not None:
@@ -171,15 +172,15 @@ class SampleWriter:
 
 
 class ClipWriter(SampleWriter):
-    """Of what a garment shows."""
+    """Writes the frame results of a garment."""
 
     def __init__(self, clip: Path, manifest: Manifest, attributes: tuple[Attribute, ...]) -> None:
         super().__init__(clip, manifest)
         self.attributes = attributes
-        self.before: np.ndarray | None = None  # points of the sample before
+        self.before: np.ndarray | None = None  # points of the previous sample
 
     def add(self, result: FrameResult, coarse: np.ndarray) -> None:
-        """One sample: what is shown, and the coarse pose it belongs to."""
+        """Write one sample: a frame's result, and the coarse pose that it belongs to."""
         self.before = points_of(result, self.attributes, self.before)
         self.add_points(self.before)
         self.manifest.poses.append(stored_pose(coarse))
@@ -192,7 +193,7 @@ def manifest_path(clip: Path) -> Path:
 
 
 def read_manifest(clip: Path) -> Manifest | None:
-    """The manifest of a clip; None where there is none. Raises ClipFault, also where the clip is not what it says."""
+    """The manifest of a clip; None if there is none. Raises ClipFault, also if the clip does not fit its manifest."""
     try:
         with open(clip, "rb") as file:
             head = file.read(_HEADER.size)
@@ -220,7 +221,7 @@ def read_manifest(clip: Path) -> Manifest | None:
 
 
 def _trailer(file: BinaryIO, size: int) -> bytes | None:
-    """The text of the manifest behind the samples; None where there is none. Raises ClipFault."""
+    """The text of the manifest after the samples; None if there is none. Raises ClipFault."""
     if size < _HEADER.size + _END.size:
         return None
     file.seek(size - _END.size)
@@ -237,7 +238,7 @@ def _trailer(file: BinaryIO, size: int) -> bytes | None:
 
 
 def sample_is_whole(clip: Path, manifest: Manifest, sample: int) -> bool:
-    """Whether the data of a sample is what was baked. Clips of format 3 cannot tell. Raises OSError."""
+    """Whether the data of a sample has its checksum. Clips of format 3 have none: then True. Raises OSError."""
     if not manifest.checksums:
         return True
     length = manifest.points * 12
@@ -247,6 +248,6 @@ def sample_is_whole(clip: Path, manifest: Manifest, sample: int) -> bool:
 
 
 def delete(clip: Path) -> None:
-    """Remove a clip, and the manifest beside it."""
+    """Remove a clip and the manifest file of format 3 beside it."""
     clip.unlink(missing_ok=True)
     manifest_path(clip).unlink(missing_ok=True)

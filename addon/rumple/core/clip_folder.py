@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The folder of baked clips: names that no two clips share, temporary files, and its faults in words. No bpy here."""
+"""The folder of baked clips: unique file names, temporary files, and error messages. No bpy here."""
 from __future__ import annotations
 
 import errno
@@ -17,22 +17,23 @@ from ..native import platforms
 from . import windows_process
 from .clip_manifest import ClipFault
 
-_LONGEST_PATH = 240  # letters that every program may use on Windows: 260, without those of temporary names
-_AWAY = (55, 59, 64, 121, 1231)  # what Windows says of a share that is away, and Python has no other number for
-LONGEST = 60  # letters of a file's or an object's name in the name of a clip
-_OUTSIDE = "pid:[4026531836]"  # the first PID namespace of Linux, which is that of no container
+_LONGEST_PATH = 240  # letters of a path: Windows allows 260 to every program, and temporary names need some of them
+# error numbers of Windows for a network share that is not available; Python has no errno for them
+_AWAY = (55, 59, 64, 121, 1231)
+LONGEST = 60  # letters of a file's or object's name that are used in the name of a clip
+_OUTSIDE = "pid:[4026531836]"  # the initial PID namespace of Linux: the process is in no container
 _DEVICE = re.compile(r"con|prn|aux|nul|(com|lpt)\d", re.IGNORECASE)
 _PART = re.compile(r"\..+\.(?P<host>[A-Za-z0-9_]+)\.(?P<process>\d+)-\d+\.part")
 _numbers = itertools.count()
 
 
 def _host() -> str:
-    """The name of the host and, in a container, its PID namespace: containers may share the name of their host."""
-    # Not platform.node(): Windows is slow to tell it.
+    """The name of the host. In a container its PID namespace is added, because containers may have the host's name."""
+    # Not platform.node(), which is slow on Windows.
     name = re.sub(r"[^A-Za-z0-9]", "_", socket.gethostname()) or "host"
     try:
         numbers = os.readlink("/proc/self/ns/pid")
-    except OSError:  # no Linux
+    except OSError:  # not Linux
         return name
     return name if numbers == _OUTSIDE else "_".join([name, *re.findall(r"\d+", numbers)])
 
@@ -41,23 +42,23 @@ HOST = _host()
 
 
 def clip_name(file: str, obj: str, place: str = "") -> str:
-    """The file name of the clip of an object in a blend file: without dots but the last, and for no two the same.
+    """The file name of an object's clip. It is unique, and its only dot is before the suffix.
 
-    file: name of the blend file, without suffix. place: what else tells files of that name apart.
+    file: name of the blend file, without suffix. place: tells blend files of the same name apart.
     """
     return f"{readable(file)}-{readable(obj)}-{digest(file, obj, place)}.pc2"
 
 
 def readable(name: str) -> str:
-    """A part of a file name, or all of it: Windows takes "aux.glb" for a device."""
+    """A name that is safe as a file name, or as a part of one. On Windows names like "aux.glb" are devices."""
     plain = re.sub(r"[^\w-]", "_", name, flags=re.ASCII)[:LONGEST]
     return f"{plain}_" if _DEVICE.fullmatch(plain) else plain
 
 
 def readable_beside(name: str, others: list[str], about: str = "") -> str:
-    """As readable(), but for no two objects of a file the same, also on disks that do not tell "A" from "a".
+    """Like readable(), but different for each object of a file, also on disks where "A" and "a" are the same name.
 
-    others: the names of the other objects. about: what tells objects of one name apart.
+    others: the names of the other objects. about: tells objects of the same name apart.
     """
     plain = readable(name)
     if plain.casefold() not in [readable(other).casefold() for other in others]:
@@ -66,18 +67,18 @@ def readable_beside(name: str, others: list[str], about: str = "") -> str:
 
 
 def digest(*parts: str) -> str:
-    """Eight letters that tell names apart."""
+    """Eight letters that differ for different names."""
     return hashlib.blake2b(repr(parts).encode("utf-8", "surrogatepass"), digest_size=4).hexdigest()
 
 
 # ---------------------------------------------------------------- temporary files
 def temporary(clip: Path, suffix: str = ".part") -> Path:
-    """A file beside a clip that nobody else writes."""
+    """The path of a temporary file beside a clip. No other process uses it."""
     return clip.with_name(f".{clip.name}.{HOST}.{os.getpid()}-{next(_numbers)}{suffix}")
 
 
 def sweep(folder: Path) -> None:
-    """Remove what bakes that were killed left behind: of processes of this machine that are gone."""
+    """Remove the temporary files of bakes that were killed: processes of this machine that no longer run."""
     for path in folder.glob(".*.part"):
         found = _PART.fullmatch(path.name)
         if found is None or found["host"] != HOST or is_running(int(found["process"])):
@@ -86,7 +87,7 @@ def sweep(folder: Path) -> None:
 
 
 def discard(path: Path) -> None:
-    """Remove a temporary file or folder. Never raises: another one may have swept it, or may do so."""
+    """Remove a temporary file or folder. Never raises: another process may remove it at the same time."""
     if path.is_dir():
         shutil.rmtree(path, ignore_errors=True)
         return
@@ -97,14 +98,14 @@ def discard(path: Path) -> None:
 
 
 def put(new: Path, place: Path) -> None:
-    """Put a file in place of another one, or of none, by one rename. Raises OSError."""
+    """Move a file to its place by one rename, replacing a former one. Raises OSError."""
     platforms.tried_again(os.replace, new, place)
 
 
 @contextmanager
 def written(place: Path) -> Iterator[Path]:
-    """A file to be written, which is put at a place by one rename behind the block, and removed where something was
-    raised. Raises OSError."""
+    """A context with a temporary file to write. At its end one rename moves the file to its place. After an exception
+    the file is removed. Raises OSError."""
     new = temporary(place)
     try:
         yield new
@@ -115,8 +116,8 @@ def written(place: Path) -> Iterator[Path]:
 
 @contextmanager
 def aside(place: Path) -> Iterator[None]:
-    """What stands at a place is out of the way meanwhile. Then it is removed, or is there again where something was
-    raised."""
+    """A context in which the file or folder at a place is moved away. At the end it is removed. After an exception it
+    is moved back."""
     former = temporary(place)
     try:
         put(place, former)
@@ -132,27 +133,27 @@ def aside(place: Path) -> Iterator[None]:
 
 
 def replace_folder(new: Path, place: Path) -> None:
-    """Put a whole folder in place of another one, or of none. Raises OSError; then the former one is there."""
+    """Move a whole folder to its place, replacing a former one. Raises OSError; then the former folder is kept."""
     with aside(place):
         put(new, place)
 
 
 def is_running(process: int) -> bool:
-    """Whether this machine has a process of that number."""
-    if os.name == "nt":  # os.kill(process, 0) would end it there
+    """Whether this machine has a process with this number."""
+    if os.name == "nt":  # there os.kill(process, 0) would end the process
         return windows_process.is_running(process)
     try:
         os.kill(process, 0)
     except ProcessLookupError:
         return False
     except (OSError, OverflowError):
-        pass  # of another user
+        pass  # it belongs to another user
     return True
 
 
 # ---------------------------------------------------------------- faults
 def make(folder: Path, needed: int) -> None:
-    """The folder, with room for so many bytes. Raises ClipFault."""
+    """Make the folder, and check that the disk has room for `needed` bytes. Raises ClipFault."""
     try:
         folder.mkdir(parents=True, exist_ok=True)
         sweep(folder)
@@ -165,7 +166,7 @@ def make(folder: Path, needed: int) -> None:
 
 
 def can_write(folder: Path) -> bool:
-    """Tried: permissions do not say it of every disk."""
+    """Whether a file can be made there. It tries, because permissions are not reliable on every disk."""
     probe = folder / f".{HOST}.{os.getpid()}-{next(_numbers)}.part"
     try:
         probe.touch()
@@ -176,12 +177,12 @@ def can_write(folder: Path) -> bool:
 
 
 def megabytes(count: int) -> str:
-    """For a sentence."""
+    """A number of bytes in megabytes, as text."""
     return f"{count / 2**20:.1f}" if count < 100 << 20 else f"{count >> 20}"
 
 
 def in_words(error: Exception, folder: Path) -> str:
-    """What a folder refused, and what to do."""
+    """A message about a failed file operation, and what to do."""
     number = error.errno if isinstance(error, OSError) else None
     if platforms.ON_WINDOWS:
         text = _words_of_windows(error, number, folder)
@@ -201,7 +202,7 @@ def in_words(error: Exception, folder: Path) -> str:
 
 
 def _words_of_windows(error: Exception, number: int | None, folder: Path) -> str:
-    """Where its reasons are others; else empty."""
+    """The message if the error has a reason that only Windows has; otherwise empty."""
     paths = [str(folder), *(str(getattr(error, name, None) or "") for name in ("filename", "filename2"))]
     if number in (errno.ENOENT, errno.EINVAL, errno.ENAMETOOLONG) and max(map(len, paths)) > _LONGEST_PATH:
         return f"the path {folder} is too long for Windows: choose another folder, or shorter names"

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Labels that were cut for a whole clip before its frames are solved, for rest shapes that adapt. Never imports bpy."""
+"""Labels for adaptive rest shapes, computed by a graph cut over a whole clip before its frames are solved. Never
+imports bpy."""
 from __future__ import annotations
 
 import math
@@ -12,15 +13,15 @@ from .digests import digest_of
 
 
 class ClipLabels:
-    """Those of the clip that was looked at last; at first of none."""
+    """The labels of the clip that was analysed last; empty at first."""
 
     def __init__(self) -> None:
         self._by_frame: dict[float, tuple[bytes, np.ndarray]] = {}  # digest of the positions, labels
-        self.pose_mismatches: set[float] = set()  # frames that came with other positions
+        self.pose_mismatches: set[float] = set()  # frames whose positions differ from the analysed ones
 
     @classmethod
     def of(cls, model: Any, native_settings: Any, clip: dict[float, np.ndarray], frame_rate: float) -> "ClipLabels":
-        """clip: (n, 3) float32 positions of the base by whole frame, ascending. Raises ValueError."""
+        """Analyse a clip. clip: (n, 3) float32 positions of the base by whole frame, ascending. Raises ValueError."""
         times = np.array([frame / frame_rate for frame in clip], np.float64)
         cut = kernels.label_clip(model, native_settings, times, np.concatenate(list(clip.values())))
         labels = cls()
@@ -29,13 +30,14 @@ class ClipLabels:
         return labels
 
     def at(self, frame: float, positions: np.ndarray) -> np.ndarray | None:
-        """Those of a frame, (t,) uint8; None where it was not looked at, or comes with other positions. A subframe has
-        those of the whole frame that it leads to."""
+        """The labels of a frame, (t,) uint8; None if it was not analysed, or its positions differ. A subframe has the
+        labels of the next whole frame."""
         digest, labels = self._by_frame.get(float(math.ceil(frame)), (b"", None))
         if labels is None or frame != math.ceil(frame):
             return labels
         if digest != digest_of(b"", positions):
             self.pose_mismatches.add(frame)
             return None
-        self.pose_mismatches.discard(frame)  # an object that follows another comes as it was looked at in a second pass
+        # an object that follows another has its final positions only in a second pass
+        self.pose_mismatches.discard(frame)
         return labels

@@ -1,12 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Who bakes a clip, a worker or a window: a file beside it, so that two of them do not harm one another. No bpy here.
+"""The lock of a clip: a file beside it that says who bakes it, so that two workers do not disturb each other.
 
-The file names host, process and, in a queue, the task ($RUMPLE_TASK: the same when a task is started again). Its holder
-writes it anew while it works: its age is what a file server says, since the clocks of two machines differ (a time that
-is set, as by os.utime, is the worker's on Windows). A lock is
-taken over where nobody holds it any more: its process is gone (same host), its task was started again on another host
-(a queue gives it up before it does that), or it was not touched for OLDEST seconds (another host). Whoever lost its
-lock so stops at its next sample; until then both write files of their own.
+The file names the host, the process and, in a queue, the task ($RUMPLE_TASK, which is the same when a task is started
+again). The holder writes the file again and again while it works. The age of the lock is measured by the clock of the
+file server, because the clocks of two machines differ. (os.utime would set the worker's time on Windows.)
+
+A lock is taken over in three cases. Its process is gone (same host). Its task was started again on another host: a
+queue gives a task up before it does that. It was not touched for OLDEST seconds (another host). A worker that lost its
+lock stops at its next sample. Until then both workers write files of their own. Never imports bpy.
 """
 from __future__ import annotations
 
@@ -22,11 +23,11 @@ from .clip_manifest import ClipFault
 
 OLDEST = 600.0  # seconds without a touch, for a lock of another host
 _TOUCHED = 5.0  # seconds between two touches
-_MOST_MISSED = 12  # touches, one after the other, that a share or a scanner may refuse
+_MOST_MISSED = 12  # touches in a row that may fail, as a network share or a virus scanner may block them
 
 
 class Held(ClipFault):
-    """Another worker bakes this clip."""
+    """Raised if another worker bakes this clip."""
 
 
 @dataclass(frozen=True)
@@ -35,7 +36,7 @@ class Holder:
 
     host: str
     process: int
-    started: str  # of the process, as the system counts it: numbers of processes come again
+    started: str  # start time of the process, in the system's units, because process numbers are reused
     task: str  # of the queue; empty: none
 
     @classmethod
@@ -45,7 +46,7 @@ class Holder:
 
     @classmethod
     def read(cls, path: Path) -> "Holder | None":
-        """None where it cannot be read."""
+        """None if it cannot be read."""
         try:
             return cls.of(path.read_bytes())
         except OSError:
@@ -53,7 +54,7 @@ class Holder:
 
     @classmethod
     def of(cls, text: bytes) -> "Holder | None":
-        """As a lock has it. None where it is damaged: half written, say."""
+        """From the text of a lock. None if it is damaged, for example half written."""
         try:
             data = json.loads(text[:4096])
             return cls(str(data["host"]), int(data["process"]), str(data["started"]), str(data["task"]))
@@ -61,11 +62,11 @@ class Holder:
             return None
 
     def is_gone(self) -> bool:
-        """Whether it is known to work no more."""
+        """Whether it certainly no longer works."""
         here = Holder.here()
         if self.host != here.host:
             return self.task != "" and self.task == here.task
-        started = _started(self.process)  # empty: of another user, say, whose number is not known to have come again
+        started = _started(self.process)  # empty: not readable, for example another user's process
         return not clip_folder.is_running(self.process) or started not in ("", self.started)
 
     def in_words(self) -> str:
@@ -95,12 +96,12 @@ class Lock:
             raise ClipFault(clip_folder.in_words(error, clip.parent)) from error
 
     def _take(self, oldest: float) -> None:
-        for attempt in range(3):  # another one may come first, and its lock be left as well
+        for attempt in range(3):  # another worker may be faster, and leave its lock as well
             try:
                 self._make_folder()
                 if self._create():
                     return
-            except FileNotFoundError:  # another one, which had made the folder, has just given up
+            except FileNotFoundError:  # another worker had made the folder, and has just removed it
                 if attempt == 2:
                     raise
                 continue
@@ -113,7 +114,7 @@ class Lock:
         self.clip.parent.mkdir(parents=True, exist_ok=True)
 
     def _remove_made(self) -> None:
-        """A bake that came to nothing leaves no folder, where nothing is in it."""
+        """Remove the folders that were made here if they are empty, as after a bake that failed."""
         for folder in self._made:
             try:
                 folder.rmdir()
@@ -121,7 +122,7 @@ class Lock:
                 return
 
     def _create(self) -> bool:
-        """Whole or not at all: a link to a file that is written already."""
+        """Make the lock file in one step, never half written: as a hard link to a file that is already written."""
         own = clip_folder.temporary(self.path)
         try:
             own.write_text(json.dumps(asdict(self.holder)))
@@ -132,7 +133,7 @@ class Lock:
             os.link(own, self.path)
         except FileExistsError:
             return False
-        except OSError:  # no links on this disk
+        except OSError:  # this disk has no hard links
             return self._create_plainly()
         finally:
             clip_folder.discard(own)
@@ -149,7 +150,7 @@ class Lock:
         return True
 
     def _take_over(self, oldest: float) -> None:
-        """Away with a lock that nobody holds. Raises Held."""
+        """Remove a lock that nobody holds. Raises Held if somebody holds it."""
         holder = Holder.read(self.path)
         try:
             before = self.path.stat()
@@ -166,13 +167,13 @@ class Lock:
         except FileNotFoundError:
             return
         moved = aside.stat()
-        if (moved.st_ino, moved.st_mtime_ns) != (before.st_ino, before.st_mtime_ns):  # another one's, made meanwhile
+        if (moved.st_ino, moved.st_mtime_ns) != (before.st_ino, before.st_mtime_ns):  # another worker made it meanwhile
             platforms.tried_again(os.rename, aside, self.path)
             return
         clip_folder.discard(aside)
 
     def _now(self) -> float:
-        """By the clock of the disk."""
+        """The time by the clock of the disk."""
         probe = clip_folder.temporary(self.path)
         probe.touch()
         try:
@@ -181,8 +182,8 @@ class Lock:
             clip_folder.discard(probe)
 
     def touch(self) -> None:
-        """To be called often while it is held. Raises Held where it was taken over, and ClipFault where it could not be
-        reached for some time: a share may be away for a moment."""
+        """Call this often while the lock is held. Raises Held if it was taken over, and ClipFault if it could not be
+        reached for some time. A network share may be away for a moment."""
         if time.monotonic() - self._touched < _TOUCHED:
             return
         self._touched = time.monotonic()
@@ -198,11 +199,12 @@ class Lock:
             self._missed = 0
 
     def check(self) -> None:
-        """Raises Held where it was taken over, and ClipFault where it cannot be read."""
+        """Raises Held if the lock was taken over, and ClipFault if it cannot be read."""
         self._reach(anew=False)
 
     def _reach(self, anew: bool) -> None:
-        """As check() does. anew: write it, through the file that was read: never into that of who took it over."""
+        """Like check(). anew: also write it, through the file handle that was read. So it never writes into the lock of
+        a worker that took over."""
         try:
             with self.path.open("r+b" if anew else "rb") as file:
                 text = file.read()

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a baked clip was made from, and what it must be: the text that stands in its file. No bpy here.
+"""The manifest of a baked clip: what it was baked from, and its checksums. It is stored in the clip's file.
 
-A manifest comes from a file that anybody may have written: read() takes known entries of known types within bounds, or
-says what is wrong.
+Anybody may have written the file. So read() accepts only known entries of known types within bounds, and says what is
+wrong. Never imports bpy.
 """
 from __future__ import annotations
 
@@ -15,10 +15,10 @@ import numpy as np
 
 from .vertices import sample_of
 
-FORMAT = 4  # in the file of the clip, with checksums. 3 was in a file beside the clip, without them
-FORMAT_OF_SEAMS = 5  # it has seams: an older Rumple would play it from its first frame, and find other bits
+FORMAT = 4  # in the clip's file, with checksums. Format 3 was in a file beside the clip, without checksums
+FORMAT_OF_SEAMS = 5  # the clip has seams: an older Rumple would verify it from its first frame, and get other bits
 POSE_POINTS = 16  # coarse points kept for each sample, to notice that the animation changed
-POSE_TOLERANCE = 1e-3  # of the coarse mesh's extent: other Blenders and machines differ by far less
+POSE_TOLERANCE = 1e-3  # share of the coarse mesh's extent. Other Blender versions and machines differ by far less
 _LAST_FRAME = 1 << 20  # Blender's
 _MOST_POINTS = 1 << 31
 _BOUNDS = dict(vertices=(1, _MOST_POINTS), points=(1, _MOST_POINTS), coarse_vertices=(1, _MOST_POINTS),
@@ -27,7 +27,7 @@ _BOUNDS = dict(vertices=(1, _MOST_POINTS), points=(1, _MOST_POINTS), coarse_vert
 
 
 class ClipFault(Exception):
-    """What is wrong with a clip or its folder: the rest of a sentence that begins with an object."""
+    """What is wrong with a clip or its folder. The message is the rest of a sentence that begins with an object."""
 
 
 @dataclass
@@ -48,7 +48,7 @@ class Manifest:
     checksums: list[int] = field(default_factory=list)  # CRC-32 of each sample; none before format 4
     curves: int = 0  # CRC-32 over the checksums of the clip of its path curves; 0: it has none
     source: str = ""  # digest of the saved files that it was baked from; empty: from a window
-    pre_roll: int = 0  # frames that were solved in front of each seam; 0: it was played through
+    pre_roll: int = 0  # frames that were solved before each seam; 0: the clip was baked in one piece
     seams: list[int] = field(default_factory=list)  # frames at which solving began anew, ascending
 
     @property
@@ -61,18 +61,18 @@ class Manifest:
         return self.start + frame, part / self.samples
 
     def sample_of(self, frame: float) -> int | None:
-        """The sample that stands exactly at a frame; None between samples and outside the clip."""
+        """The sample exactly at a frame; None between samples and outside the clip."""
         place = (frame - self.start) * self.samples
         sample = round(place)
         return sample if abs(place - sample) < 1e-3 and 0 <= sample < self.sample_count else None
 
     def samples_around(self, frame: float) -> list[int]:
-        """What is shown at a frame: one sample, or the two that it lies between."""
+        """The samples that are shown at a frame: one, or the two around it."""
         place = min(max((frame - self.start) * self.samples, 0.0), self.sample_count - 1.0)
         return sorted({math.floor(place + 1e-3), math.ceil(place - 1e-3)})
 
     def pose_differs(self, sample: int, positions: np.ndarray) -> bool:
-        """Whether the coarse mesh stands elsewhere than when the sample was baked."""
+        """Whether the pose of the coarse mesh differs from the one that was baked."""
         baked, now = np.array(self.poses[sample], np.float32), pose_points(positions)
         extent = float(np.ptp(positions, axis=0).max()) if len(positions) else 0.0
         return baked.shape != now.shape or not np.allclose(baked, now, rtol=0.0, atol=POSE_TOLERANCE * extent)
@@ -102,7 +102,7 @@ def is_pose(value: Any, coarse_vertices: int) -> bool:
 
 # ---------------------------------------------------------------- reading
 def read(text: str | bytes) -> Manifest:
-    """What to_json() wrote, or an older Rumple. Raises ClipFault."""
+    """Read the text that to_json(), or an older Rumple, wrote. Raises ClipFault."""
     try:
         data = json.loads(text)
     except (ValueError, RecursionError) as error:
@@ -135,7 +135,7 @@ def _is_whole(value: Any) -> bool:
 
 
 def _check_samples(manifest: Manifest) -> None:
-    """Poses and checksums: one for each sample."""
+    """Check that there is one pose and one checksum for each sample."""
     checksums = manifest.format >= 4
     if not isinstance(manifest.poses, list) or len(manifest.poses) != manifest.sample_count:
         raise ClipFault("its manifest is not one: it does not have a pose for each sample")
@@ -148,7 +148,7 @@ def _check_samples(manifest: Manifest) -> None:
 
 
 def _check_seams(manifest: Manifest) -> None:
-    """None; or some, in order, each with frames in front of it that were solved for it."""
+    """Check that there are no seams and no pre-roll; or seams in ascending order, with a pre-roll."""
     seams = manifest.seams
     if not isinstance(seams, list) or not all(map(_is_whole, seams)) or bool(seams) != (manifest.pre_roll > 0) or (
             bool(seams) != (manifest.format >= FORMAT_OF_SEAMS)):

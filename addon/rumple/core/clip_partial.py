@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A bake that can be ended at any time and goes on later. No bpy here.
+"""Bakes that can be interrupted at any time and resumed later. No bpy here.
 
-Beside the clip lie two files of the worker's own: the samples so far, as in the clip, and a journal, a line for each
-sample with its checksum and its pose. The first line says what is baked from what, and by what. A third one has what
-lives on behind one of the samples (checkpoint.py), where frames go on from one another. A worker that goes on copies,
-of all such files of the clip, the most samples whose checksums hold. The clip itself appears by one rename.
+Each worker has two files beside the clip. One has the samples so far, in the format of the clip. The other is a
+journal: its first line identifies the bake, then each sample has a line with its checksum and its pose. Where a frame
+depends on the one before it, a third file has the solver's state after one of the samples (checkpoint.py). A worker
+that resumes looks at all such files of the clip, and copies the largest number of samples with correct checksums. The
+clip itself appears by one rename.
 """
 from __future__ import annotations
 
@@ -28,7 +29,7 @@ _SAMPLES, _JOURNAL, _STATE = ".partial", ".journal", ".state"
 
 @dataclass
 class _Kept:
-    """The samples of a bake that was ended."""
+    """The samples of an interrupted bake."""
 
     file: Path
     checksums: list[int] = field(default_factory=list)
@@ -36,24 +37,24 @@ class _Kept:
 
 
 def _identity(manifest: Manifest, made_by: str) -> str:
-    """What two bakes must have in common, so that one can go on where the other was ended."""
+    """Text that is equal for two bakes if one may resume the other."""
     return json.dumps([made_by, {**asdict(manifest), "poses": [], "checksums": []}])
 
 
 def _files(clip: Path) -> list[Path]:
-    """The samples of all bakes of a clip that were ended; sorted, so that it does not depend on the disk."""
+    """The sample files of all interrupted bakes of a clip; sorted, so that the order does not depend on the disk."""
     start = f".{clip.name}."
     return sorted(path for path in clip.parent.iterdir()
                   if path.name.startswith(start) and path.name.endswith(_SAMPLES))
 
 
 def _beside(file: Path, suffix: str) -> Path:
-    """What belongs to the samples in a file."""
+    """The path of another file of the same bake. file: its samples."""
     return file.with_name(file.name.removesuffix(_SAMPLES) + suffix)
 
 
 def _read(file: Path, manifest: Manifest, made_by: str) -> _Kept | None:
-    """None where it is of another bake. A line that was cut short ends it. Raises OSError."""
+    """None if it belongs to another bake. Reads until the first incomplete line. Raises OSError."""
     kept = _Kept(file)
     with open(_beside(file, _JOURNAL), encoding="ascii", errors="replace") as journal:
         if journal.readline() != _identity(manifest, made_by) + "\n":
@@ -73,7 +74,7 @@ def _read(file: Path, manifest: Manifest, made_by: str) -> _Kept | None:
 
 
 def remove_others(clip: Path, but: Path | None = None) -> None:
-    """What ended bakes of a clip have left. Never raises."""
+    """Remove the files of interrupted bakes of a clip. Never raises."""
     try:
         found = [file for file in _files(clip) if file != but]
     except OSError:
@@ -87,27 +88,29 @@ def remove_others(clip: Path, but: Path | None = None) -> None:
 
 
 class PartialWriter(ClipWriter):
-    """A ClipWriter that goes on. Its samples so far, `kept`, are looked at again as they are given, or passed over.
+    """A ClipWriter that can resume. The samples that exist already, `kept`, are compared as they are given again, or
+    passed over.
 
-    Only the holder of the clip's lock makes one. resume: look for what was kept. made_by: whose bits are the same.
+    Only the holder of the clip's lock makes one. resume: look for kept samples. made_by: a name of the program version;
+    bakes with the same name have the same bits.
     """
 
     def __init__(self, clip: Path, manifest: Manifest, attributes: tuple[Attribute, ...], resume: bool,
                  made_by: str) -> None:
         self.made_by, self.resume = made_by, resume
-        self.done = 0  # samples that are known to be right
-        self.checkpoint: Checkpoint | None = None  # behind one of the samples that are kept
+        self.done = 0  # samples that are verified or new
+        self.checkpoint: Checkpoint | None = None  # the state after one of the kept samples
         self.journal: TextIO | None = None
         try:
             super().__init__(clip, manifest, attributes)
         except ClipFault:
-            if hasattr(self, "temporary"):  # a disk that is full by what is copied
+            if hasattr(self, "temporary"):  # the copied samples filled the disk
                 self.discard()
             raise
 
     @property
     def kept(self) -> int:
-        """Samples that are in the file."""
+        """How many samples are in the file."""
         return len(self.manifest.checksums)
 
     def _temporary(self) -> Path:
@@ -138,7 +141,7 @@ class PartialWriter(ClipWriter):
                 yield kept
 
     def _copy(self, kept: _Kept) -> None:
-        """What of it is whole."""
+        """Copy the samples with correct checksums."""
         with open(kept.file, "rb") as file:
             if file.read(clip_file.HEADER_BYTES) != clip_file.header(self.manifest):
                 return
@@ -158,28 +161,29 @@ class PartialWriter(ClipWriter):
         self.journal.flush()
 
     def save(self, checkpoint: Checkpoint) -> None:
-        """For a bake that resumes, in place of the one before. Never raises: one that cannot be written is left out."""
+        """Write a checkpoint, which replaces the former one. Never raises: if it cannot be written, it is left out."""
         assert self.file is not None and self.journal is not None
         path = clip_folder.temporary(self.clip)
         try:
             for written in (self.file.fileno(), self.journal.fileno()):
-                os.fsync(written)  # a state behind samples that are not on the disk is of no use
+                os.fsync(written)  # a checkpoint is useless if its samples are not on the disk
             with open(path, "wb") as state:
                 state.write(checkpoint.to_bytes(_identity(self.manifest, self.made_by)))
                 state.flush()
                 os.fsync(state.fileno())
             clip_folder.put(path, _beside(self.temporary, _STATE))
-        except (OSError, ValueError):  # ValueError: a file that is closed
+        except (OSError, ValueError):  # ValueError: the file is closed
             clip_folder.discard(path)
 
     def pass_over(self, samples: int) -> None:
-        """Take the first ones as they are kept; the next one goes on from them."""
+        """Accept the first `samples` kept samples without a comparison. The next sample follows them."""
         assert self.file is not None
         self.done = samples
         self.before = points_in(self.temporary, self.manifest, samples - 1) if samples else None
 
     def add(self, result: FrameResult, coarse: np.ndarray) -> None:
-        """As ClipWriter has it. From the first sample on that is kept and differs, nothing is kept."""
+        """Like ClipWriter.add(). The first sample that differs from its kept one, and all later ones, are written
+        anew."""
         self.before = clip_file.points_of(result, self.attributes, self.before)
         data = np.ascontiguousarray(self.before, "<f4").data
         pose, checksum = clip_manifest.stored_pose(coarse), zlib.crc32(data)
@@ -191,7 +195,7 @@ class PartialWriter(ClipWriter):
         self.done += 1
 
     def cut(self, samples: int) -> None:
-        """Keep no more than the first ones."""
+        """Keep only the first `samples` samples."""
         self._do(self._cut, samples)
 
     def _cut(self, samples: int) -> None:
@@ -217,7 +221,7 @@ class PartialWriter(ClipWriter):
         self._remove_beside()
 
     def keep(self) -> None:
-        """Ended: what is there is left for another one to go on. Never raises."""
+        """Stop, and leave the files so that another worker can resume. Never raises."""
         self._close_journal()
         try:
             if self.file is not None:
@@ -243,7 +247,7 @@ class PartialWriter(ClipWriter):
 
 
 def points_in(clip: Path, manifest: Manifest, sample: int) -> np.ndarray:
-    """(points, 3) float32 of a sample in a clip, or in the samples so far of one. Raises ClipFault."""
+    """(points, 3) float32 of a sample in a clip, or in the samples of an unfinished one. Raises ClipFault."""
     try:
         with open(clip, "rb") as file:
             _seek(file, manifest, sample)

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A clip that several workers bake, each a piece of its frames; then the pieces are joined. No bpy here.
+"""Clips that several workers bake in pieces, a range of frames each, which are then joined. No bpy here.
 
-A piece is a file as a clip is, with a lock, a journal and states of its own. Its last frame is the first one of the
-next piece: there the two are compared. Its angles do not go on from those of the frame before: joining lets them.
+A piece is a file like a clip, with its own lock, journal and checkpoints. Its last frame is also the first frame of the
+next piece: there both are compared. Within a piece, angles are not made continuous. Joining does this.
 """
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ _NAME = re.compile(r".+\.piece-\d+-of-\d+")
 
 @dataclass(frozen=True)
 class Piece:
-    """One of `count`, numbered from 1, of the frames from start to end."""
+    """One of `count` pieces of the frames from start to end, numbered from 1."""
 
     number: int
     count: int
@@ -37,7 +37,7 @@ class Piece:
 
     @property
     def last(self) -> int:
-        """Which the next piece begins with."""
+        """Its last frame, which is the first frame of the next piece."""
         return self._bound(self.number)
 
     def _bound(self, number: int) -> int:
@@ -48,7 +48,7 @@ class Piece:
 
 
 def pieces_of(start: int, end: int, count: int) -> list[Piece]:
-    """Raises ClipFault where there are too few frames."""
+    """All pieces, in order. Raises ClipFault if there are too few frames."""
     if not 1 <= count <= min(MOST, end - start):
         raise ClipFault(f"its frames {start} to {end} cannot be cut into {count} pieces, at most "
                         f"{max(min(MOST, end - start), 0)}: give fewer")
@@ -56,7 +56,7 @@ def pieces_of(start: int, end: int, count: int) -> list[Piece]:
 
 
 class PieceWriter(clip_partial.PartialWriter):
-    """Of a piece: each sample as it is by itself."""
+    """Writes a piece. The angles of a sample do not depend on the previous sample."""
 
     def add(self, result: FrameResult, coarse: np.ndarray) -> None:
         self.before = None
@@ -65,12 +65,12 @@ class PieceWriter(clip_partial.PartialWriter):
 
 @dataclass(frozen=True)
 class Seam:
-    """How far apart two pieces are in the frame that both have."""
+    """The difference of two pieces in their common frame."""
 
     number: int  # of the second piece
     frame: int
-    farthest: float  # of the shown points, object units
-    same: bool  # to the bit, attributes too
+    farthest: float  # largest distance of corresponding shown points, object units
+    same: bool  # whether both are equal bit for bit, attributes too
 
 
 def _sample(file: Path, manifest: Manifest, sample: int) -> np.ndarray:
@@ -81,7 +81,7 @@ def _sample(file: Path, manifest: Manifest, sample: int) -> np.ndarray:
 
 
 def seams(pieces: list[tuple[Path, Manifest]]) -> list[Seam]:
-    """In order. Raises ClipFault."""
+    """All seams, in order. Raises ClipFault."""
     found = []
     for number, ((former, one), (later, two)) in enumerate(zip(pieces, pieces[1:]), 2):
         if (one.vertices, one.points) != (two.vertices, two.points):
@@ -94,7 +94,8 @@ def seams(pieces: list[tuple[Path, Manifest]]) -> list[Seam]:
 
 def join(clip: Path, pieces: list[tuple[Path, Manifest]], attributes: tuple[Attribute, ...], source: str,
          pre_roll: int) -> Manifest:
-    """Make the clip of its pieces, by one rename. pre_roll: frames; 0: each frame is independent. Raises ClipFault."""
+    """Join pieces into the clip, which appears by one rename. pre_roll: frames; 0: each frame is independent. Raises
+    ClipFault."""
     first, last = pieces[0][1], pieces[-1][1]
     manifest = replace(first, end=last.end, poses=[], checksums=[], source=source)
     if pre_roll:
@@ -120,7 +121,7 @@ def join(clip: Path, pieces: list[tuple[Path, Manifest]], attributes: tuple[Attr
 
 
 def remove(clip: Path) -> None:
-    """All pieces of a clip that nobody bakes. Never raises."""
+    """Remove all pieces of a clip that nobody bakes. Never raises."""
     try:
         found = [path for path in clip.parent.iterdir()
                  if path.name.startswith(f"{clip.stem}.") and _NAME.fullmatch(path.name)]

@@ -17,22 +17,28 @@ from .hangs_free import FREE, room_factor
 from .surroundings import Surroundings
 
 AIR = 1.2  # kg/m^3
-MOST = 1e5  # m/s^2, m/s: the library refuses what is farther out still
-FIELD = 20.0 / 24.0  # N/m^2 of a force field of strength 1: against gravity what Blender's Cloth has at 24 frames/s
-FOLLOW = 150.0  # 1/s^2: gravity sags cloth by 2 cm, so that it hangs from the shoulders and not from its animation
-HANGING = dict(flat_share=0.05)  # panels turn as they are pulled: long folds from the shoulder to the waist
-# m^2/s^2, of cotton: what swings is to turn as it likes and to come to rest, and time steps are short.
+MOST = 1e5  # m/s^2, m/s: the library refuses much larger values
+# N/m^2 of a force field of strength 1: the same ratio to gravity as in Blender's Cloth at 24 frames/s
+FIELD = 20.0 / 24.0
+# 1/s^2: so weak that gravity sags cloth by 2 cm. It then hangs from the shoulders, not from its animation
+FOLLOW = 150.0
+# panels turn as they are pulled. This gives long folds from the shoulder to the waist
+HANGING = dict(flat_share=0.05)
+# m^2/s^2, of cotton. Swinging cloth must be able to turn freely and to come to rest, and its time steps are short.
 SWINGING = dict(stretch=50.0, shear=5.0, compression=0.3, folded=1.0, smoothing=1.0)
-BENT = ("compression", "folded", "smoothing")  # what of these the bending of a fabric is
-THIRTIETH = 1.0 / 30.0  # s: what substeps divide
-LEAST_BEND = 4.0  # radius of lines that folds may run along, over their wavelength; from four times that on all do
-# Metres: skin that is farther from cloth at rest is not under it: an arm that is animated into the flank of a shirt.
+BENT = ("compression", "folded", "smoothing")  # the values of SWINGING that grow with a fabric's bending stiffness
+THIRTIETH = 1.0 / 30.0  # s: the time that the substeps divide
+# least radius / wavelength of lines that folds may run along; from four times this value on, all folds may
+LEAST_BEND = 4.0
+# Metres: skin that is farther from the cloth at rest is not under it. An example is an arm that an animation moves into
+# the side of a shirt.
 WORN_WITHIN = 0.12
-DOLL, GIANT = 0.4, 3.0  # metres, diagonal of a garment: smaller and larger ones hang as these do, to scale
+# metres, diagonals of garments: a smaller or larger garment is scaled to this size for its cloth
+DOLL, GIANT = 0.4, 3.0
 
 
 def size_factor(diagonal: float, unit_scale: float) -> float:
-    """By how much lengths of cloth differ from those on a person. diagonal: of the garment's bounding box, object
+    """The factor on lengths of the cloth, 1 for a garment of a person. diagonal: of the garment's bounding box, object
     units."""
     size = diagonal * unit_scale
     return size / min(max(size, DOLL), GIANT) if size > 0.0 else 1.0
@@ -40,15 +46,15 @@ def size_factor(diagonal: float, unit_scale: float) -> float:
 
 @dataclass
 class ClothFrame:
-    """The base cloth of one frame: what lies on it is solved over this."""
+    """The base cloth of one frame. The wrinkles are solved over it."""
 
     positions: np.ndarray  # (n, 3) float32, object space
-    gap: np.ndarray  # (n,) float32: height above what is worn under it, object units
+    gap: np.ndarray  # (n,) float32: height above the body, object units
     body_hint: np.ndarray  # (n,) int32: a triangle of the body near it, or -1; (0,) without a body
     state: kernels.BaseClothState
     report: kernels.BaseClothReport | None  # None: it was read from a file
     swing_input: "SwingInput | None" = None  # of cloth that swings
-    drape: kernels.WrinkleLayersState | None = None  # of the wide folds that are in the positions: drape.py
+    drape: kernels.WrinkleLayersState | None = None  # state of the wide folds, which the positions include: drape.py
 
     @property
     def nbytes(self) -> int:
@@ -56,7 +62,8 @@ class ClothFrame:
         return self.positions.nbytes + self.gap.nbytes + self.body_hint.nbytes + self.state.nbytes + drape
 
     def activated(self) -> "ClothFrame | None":
-        """For a solve with other settings: what hangs starts anew, what swings keeps its motion."""
+        """The frame to start from after settings changed. None: hanging cloth starts anew. Swinging cloth keeps its
+        motion."""
         if self.swing_input is None:
             return None
         return replace(self, state=self.state.activated(), drape=None)
@@ -64,7 +71,7 @@ class ClothFrame:
 
 @dataclass
 class SwingInput:
-    """When and where cloth that swings was solved."""
+    """The time and the place at which swinging cloth was solved."""
 
     seconds: float
     world_from_object: np.ndarray  # (3, 3) float64
@@ -72,14 +79,15 @@ class SwingInput:
 
 
 class BaseCloth:
-    """A garment's cloth and the collider of its body. No state: frames are handed in and out."""
+    """A garment's cloth and the collider of its body. It has no state: a solve gets the frame before and returns a new
+    one."""
 
     def __init__(self, surface: Any, diagonal: float, unit_scale: float,
                  suggest: Callable[[str], np.ndarray] | None = None, inner: float = 0.0) -> None:
         """surface: native, at rest. diagonal: of its bounding box, object units. unit_scale: metres per object unit.
-        suggest: (n,) float32, how firmly its vertices follow the animation where nothing is painted, for an axis that
-        is up; None: suggested_follow() of the surface. inner: how far the inner side of the garment is below it, object
-        units."""
+        suggest: a function of the up axis that returns (n,) float32, how firmly vertices follow the animation where
+        nothing is painted; None: suggested_follow() of the surface. inner: how far the garment's inner side is below
+        the surface, object units."""
         self.surface, self.unit_scale, self.inner = surface, unit_scale, inner
         self._suggest = suggest or functools.partial(suggested_follow, surface)
         self.model = kernels.build_base_cloth(surface)
@@ -92,9 +100,9 @@ class BaseCloth:
     def solve(self, positions: np.ndarray, settings: ClothSettings, paint: dict[str, np.ndarray],
               world_from_object: np.ndarray | None, body: Body | None, before: ClothFrame | None,
               seconds: float = 0.0, surroundings: Surroundings = Surroundings()) -> ClothFrame:
-        """One frame. positions: (n, 3) float32, animated, object space. world_from_object: (3, 3), for the direction
-        of gravity; None: the identity. before: the frame before, or None. seconds: since frame 0; surroundings: both
-        are read where it swings. Raises ValueError."""
+        """Solve one frame. positions: (n, 3) float32, animated, object space. world_from_object: (3, 3), for the
+        direction of gravity; None: the identity. before: the previous frame, or None. seconds: time since frame 0. Only
+        swinging cloth uses seconds and surroundings. Raises ValueError."""
         world_from_object = _invertible(world_from_object)
         object_from_world = transforms.inverse(world_from_object)
         if paint is not self._painted or (settings.up, settings.room, settings.free_room) != self._paint_settings:
@@ -111,7 +119,7 @@ class BaseCloth:
         return ClothFrame(*kernels.swing_base_cloth(self.model, options, swing, *frame, forces), swing_input)
 
     def collider(self, body: Body | None) -> Any:
-        """The native collider of a body, built once for its triangles and its rest; None for none."""
+        """The native collider of a body; None without a body. It is built again only if triangles or rest change."""
         if body is None or not len(body.triangles):
             return None
         if self._collider is None or not same_at_rest(self._collider[0], body):
@@ -120,11 +128,11 @@ class BaseCloth:
         return self._collider[1]
 
     def thickness(self, settings: ClothSettings) -> float:
-        """Of the cloth, with what was modelled of it, object units."""
+        """Thickness of the cloth, including the modelled thickness, object units."""
         return settings.thickness / self.unit_scale + self.inner
 
     def hidden_depth(self) -> float:
-        """Object units: what is deeper inside a body is hidden there on purpose."""
+        """Object units. Cloth deeper inside a body is there on purpose, so it is not pushed out."""
         return self._settings_to_scale().depth
 
     def _take_paint(self, paint: dict[str, np.ndarray], settings: ClothSettings) -> None:
@@ -138,7 +146,8 @@ class BaseCloth:
 
     def _swing(self, settings: ClothSettings, object_from_world: np.ndarray, now: SwingInput,
                surroundings: Surroundings, before: SwingInput | None) -> Any:
-        """As the native solver takes it. The stiffness is per mass: mass counts against the air only."""
+        """The options of the native solver for swinging cloth. Stiffness is per mass, so the mass matters only for the
+        air."""
         options = kernels.BaseClothSwing()
         options.longest_step = THIRTIETH / settings.substeps
         options.damping, options.locomotion = settings.swing_damping, settings.locomotion
@@ -157,7 +166,8 @@ class BaseCloth:
 
     def _forces(self, settings: ClothSettings, object_from_world: np.ndarray, now: SwingInput,
                 surroundings: Surroundings, positions: np.ndarray, before: ClothFrame | None) -> Any:
-        """Of the force fields on every vertex, where it was in the frame before. None without fields."""
+        """The forces of the force fields on every vertex, at its position in the previous frame. None without
+        fields."""
         if not surroundings.fields:
             return None
         if before is not None and before.swing_input is not None:
@@ -173,8 +183,8 @@ class BaseCloth:
             np.minimum(of_mass * effects.resist, MOST) * np.array((1.0, 1.0 / to_scale), np.float32))
 
     def _settings_to_scale(self, others: dict[str, float] | None = None) -> Any:
-        """The solver's own settings, but for others, metres into object units. A doll's cloth, and a giant's, hang as
-        a person's do: lengths to scale."""
+        """The solver's default settings in object units. others: values that replace defaults. Lengths are scaled so
+        that the cloth of a doll or a giant hangs like a person's."""
         options = kernels.BaseClothSettings()
         for name, value in (others or {}).items():
             setattr(options, name, value)
@@ -186,7 +196,7 @@ class BaseCloth:
         return options
 
     def _native_settings(self, settings: ClothSettings, world_from_object: np.ndarray) -> Any:
-        # Frames on their own, which some systems have, hang.
+        # Independent frames, which some systems have, have no time, so their cloth hangs.
         swings = settings.base_cloth == "SWING" and not getattr(settings, "stateless", False)
         options = self._settings_to_scale(SWINGING if swings else HANGING)
         to_scale = self.size_factor / self.unit_scale
@@ -195,7 +205,7 @@ class BaseCloth:
         gravity = GRAVITY * settings.gravity * to_scale * downwards(world_from_object)
         options.gravity = tuple(float(g) for g in gravity)
         if settings.base_cloth == "OFF":
-            options.steps = options.start_steps = 0  # the animated mesh, out of the body
+            options.steps = options.start_steps = 0  # only moves the animated mesh out of the body
         options.follow = FOLLOW
         options.slack, options.hang = settings.slack, hanging(settings.gravity, world_from_object)
         options.friction = settings.friction
@@ -205,55 +215,57 @@ class BaseCloth:
 
 
 def downwards(world_from_object: np.ndarray | None) -> np.ndarray:
-    """(3,) unit: where things fall, in object space. world_from_object: (3, 3); None: the identity."""
+    """(3,) unit vector of gravity, in object space. world_from_object: (3, 3); None: the identity."""
     down = transforms.turned_one(transforms.inverse(_invertible(world_from_object)), np.array((0.0, 0.0, -1.0)))
     length = transforms.length(down)
     return down / length if length > 0.0 else down
 
 
 def hanging(gravity: float, world_from_object: np.ndarray | None) -> tuple[float, ...]:
-    """Object space, length 0 to 1: along it cloth is pulled taut by its own weight. gravity: over the earth's."""
+    """The direction in which its own weight pulls cloth taut: object space, length 0 to 1. gravity: 1 is the
+    earth's."""
     return tuple(float(part) for part in np.clip(gravity, 0.0, 1.0) * downwards(world_from_object))
 
 
 def suggested_follow(surface: Any, up: str) -> np.ndarray:
-    """(n,) float32: how firmly every vertex follows the animation where nothing is painted. up: of settings."""
+    """(n,) float32: how firmly every vertex follows the animation where nothing is painted. up: as in the settings."""
     return kernels.suggest_follow(surface, tuple(direction_of(up)))
 
 
 def length_over_cotton(bending_length: float) -> float:
-    """bending_length: metres. To six digits: Blender's properties hold seven, and cotton is 1 in any unit."""
+    """Ratio of a bending length (metres) to that of cotton. It is rounded to six digits because Blender's properties
+    hold only seven, and cotton must give exactly 1."""
     return round(bending_length / ClothSettings.bending_length, 6)
 
 
 def stiffness_over_cotton(bending_length: float) -> float:
-    """Of the bending, per mass. What the base cloth holds against being pushed together is that: it buckles between
-    its vertices. bending_length: metres."""
+    """Ratio of the bending stiffness per mass to that of cotton. It also scales the resistance of the base cloth to
+    compression, because compressed cloth buckles between its vertices. bending_length: metres."""
     return length_over_cotton(bending_length) ** 3
 
 
 def bend_radius(settings: ClothSettings, wavelength: float, unit_scale: float) -> float:
-    """Object units: no folds along lines that bend on a smaller radius (spare_cloth() of the library). 0, which is
-    along any line, without a base cloth. wavelength: of the folds, metres; unit_scale: metres per object unit."""
+    """Object units: lines with a smaller radius of curvature get no folds (spare_cloth() of the library). Without a
+    base cloth it is 0, so all lines may. wavelength: of the folds, metres; unit_scale: metres per object unit."""
     return 0.0 if settings.base_cloth == "OFF" else LEAST_BEND * wavelength / unit_scale
 
 
 def _invertible(world_from_object: np.ndarray | None) -> np.ndarray:
-    """(3, 3) float64; that of an object without a size is the identity."""
+    """(3, 3) float64; the identity if the object has no size."""
     if world_from_object is None or abs(transforms.determinant(world_from_object)) < 1e-12:
         return np.eye(3)
     return world_from_object.astype(np.float64)
 
 
 def _into_object(object_from_world: np.ndarray, vector: np.ndarray) -> np.ndarray:
-    """(3,) in the direction that a vector of the world has in object space, as long as it was."""
+    """A world vector turned into object space, (3,), with its length unchanged."""
     turned = transforms.turned_one(object_from_world, vector)
     length = transforms.length(turned)
     return turned * (transforms.length(vector) / length) if length > 0.0 else np.zeros(3)
 
 
 def _all_into_object(object_from_world: np.ndarray, vectors: np.ndarray) -> np.ndarray:
-    """As _into_object(), of (n, 3), none longer than MOST. float32."""
+    """Like _into_object(), for (n, 3), with lengths limited to MOST. float32."""
     vectors = vectors.astype(np.float64)
     turned = transforms.turned(object_from_world, vectors)
     length, longest = _lengths(turned), np.minimum(_lengths(vectors), MOST)
@@ -261,5 +273,5 @@ def _all_into_object(object_from_world: np.ndarray, vectors: np.ndarray) -> np.n
 
 
 def _lengths(vectors: np.ndarray) -> np.ndarray:
-    """(n, 1)"""
+    """(n, 1) lengths of (n, 3)."""
     return np.sqrt(vectors[:, :1]**2 + vectors[:, 1:2]**2 + vectors[:, 2:]**2)

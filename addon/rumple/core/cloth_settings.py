@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What an artist can set of the base cloth, the same for every system on it. Never imports bpy."""
+"""The settings of the base cloth, which are the same for every system. Never imports bpy."""
 from __future__ import annotations
 
 from dataclasses import dataclass
@@ -28,7 +28,7 @@ def nearest_up(direction: np.ndarray) -> str:
 
 
 def direction_of(up: str) -> np.ndarray:
-    """(3,) of an axis."""
+    """(3,) unit vector of an axis, as the setting names it."""
     direction = np.zeros(3)
     direction["XYZ".index(up[-1])] = -1.0 if up[0] == "-" else 1.0
     return direction
@@ -63,7 +63,7 @@ class ClothSettings:
                                     soft=0.1, unit="LENGTH")
     thickness: float = setting(0.003, "Thickness", "How far the cloth stays off the body", low=0.0, high=1.0,
                                unit="LENGTH")
-    # Of Swing
+    # Only for swinging cloth
     mass: float = setting(0.2, "Mass", "Kilograms of a square metre: silk 0.07, cotton 0.2, denim 0.32, leather 0.6. "
                           "Heavier cloth moves less in wind and air", low=0.01, high=10.0, soft=1.0)
     swing_damping: float = setting(10.0, "Swing Damping", "How fast swaying dies away, per second. 0: only what "
@@ -78,23 +78,23 @@ class ClothSettings:
 
     @property
     def draped(self) -> bool:
-        """Whether the base cloth itself gets wide folds: see Draped. The Wrinkle Mesh has them in its layers."""
+        """Whether the base cloth itself gets wide folds: see Draped. The Wrinkle Mesh has them as a layer instead."""
         return False
 
     @property
-    def swings(self: Any) -> bool:  # stateless is the system's
-        """Whether the base cloth depends on time. Frames on their own have no time: they hang."""
+    def swings(self: Any) -> bool:  # `stateless` is defined by the system's settings
+        """Whether the base cloth depends on time. Independent frames have no time, so their cloth hangs."""
         return self.base_cloth == "SWING" and not self.stateless
 
 
 @dataclass
 class Draped:
-    """Wide folds under waves and paths."""
+    """The setting for wide folds under a Wrinkle Field or Wrinkle Paths."""
 
     drape: float = setting(0.0, "Drape", "Wide folds of the base cloth itself. They take cloth up: there are fewer "
                            "fine ones on them", low=0.0, high=2.0, soft=1.0, unit="FACTOR")
 
-    # self: of a system, that has a base cloth.
+    # self: the settings of a system that has a base cloth.
     @property
     def draped(self: Any) -> bool:
         """Whether the base cloth itself gets wide folds."""

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What of a mesh is cloth: healed, checked, and without its rigid parts. Never imports bpy."""
+"""Finds the cloth in a mesh: heals the mesh, checks it, and removes its rigid parts. Never imports bpy."""
 from __future__ import annotations
 
 import math
@@ -18,15 +18,16 @@ from .rigid_parts import RigidParts
 from .vertices import places as places_of
 from .wording import UserError
 
-SMALL, SMALL_AND_CLOSED = 0.05, 0.12  # of the largest part's diagonal: sheets, and bodies without a border
-MOST_AREA = 0.25  # of the mesh: where small parts are more of it, they are what it is made of (mail, scales, patches)
+# largest diagonal of a small part, as a share of the largest part's: open parts, and closed ones
+SMALL, SMALL_AND_CLOSED = 0.05, 0.12
+MOST_AREA = 0.25  # share of the mesh. If small parts have more, the garment consists of them (mail, scales, patches)
 
 
 def checked_surface(base: BaseMesh, weld: bool, rigid_parts: bool,
                     unit_scale: float) -> tuple[BaseMesh, kernels.Surface, list[str]]:
-    """A base, healed where it must be (see Origin.notes()), without its rigid parts; its native surface, and its
-    warnings. rigid_parts: small ones and skin are rigid as well as painted ones. unit_scale: metres per object unit.
-    Raises UserError."""
+    """The base without its rigid parts, healed if necessary (see Origin.notes()); its native surface; and warnings.
+    rigid_parts: small parts and skin are rigid too, not only painted parts. unit_scale: metres per object unit. Raises
+    UserError."""
     if not math.isfinite(unit_scale) or unit_scale <= 0.0:
         raise UserError(f"{base.name}: its scale is zero, so lengths in metres have no meaning: give it one")
     base = base.healed(weld)
@@ -37,9 +38,9 @@ def checked_surface(base: BaseMesh, weld: bool, rigid_parts: bool,
 
 
 def without_rigid_parts(base: BaseMesh, weld: bool, small: bool = True) -> BaseMesh:
-    """The healed mesh without the faces of its rigid parts, which it has in `rigid`; their vertices stay, without a
-    face. weld: vertices at one place are one. small: small parts are rigid, solid ones, and skin in the mesh of its
-    clothes, beside painted parts. Cost: about 0.3 s for 50,000 vertices."""
+    """The healed mesh without the faces of its rigid parts, which are stored in `rigid`. The vertices of these faces
+    stay. weld: vertices at the same place are one. small: beside painted parts, small parts, solid parts and skin in
+    the mesh of its clothes are rigid. Cost: about 0.3 s for 50,000 vertices."""
     if not small and base.painted_rigid is None:
         return base
     places = places_of(base.positions) if weld else np.arange(len(base.positions))
@@ -57,15 +58,15 @@ def without_rigid_parts(base: BaseMesh, weld: bool, small: bool = True) -> BaseM
     painted = _painted(base, parts, chosen)
     chosen, skin, stays = chosen | painted, skin & ~painted, stays & ~painted
     part_of_polygon = parts[base.corner_vertex[base.polygon_start[:-1]]]
-    for doubled in base.own_origin().copies:  # a doubled button: rather solved as cloth than shown once
+    for doubled in base.own_origin().copies:  # a doubled button: better solved as cloth than shown only once
         chosen[part_of_polygon[doubled.lies_on]] = False
     if not chosen.any():
         return base
     is_rigid = chosen[part_of_polygon]
     caps = capped_parts.find_caps(base, parts, places, kinds.garments & ~chosen, kinds.limbs | kinds.capped)
-    for doubled in base.own_origin().copies:  # the same of caps
+    for doubled in base.own_origin().copies:  # the same for caps
         caps[np.isin(caps, caps[doubled.lies_on])] = 0
-    if caps.any():  # parts of their own, which ride on the cloth
+    if caps.any():  # caps become parts of their own, which move with the cloth
         corner_cap = np.repeat(caps, np.diff(base.polygon_start))
         parts, skin, stays = parts.copy(), *(np.append(of, np.zeros(caps.max(), bool)) for of in (skin, stays))
         parts[base.corner_vertex[corner_cap > 0]] = len(chosen) + corner_cap[corner_cap > 0] - 1
@@ -75,7 +76,8 @@ def without_rigid_parts(base: BaseMesh, weld: bool, small: bool = True) -> BaseM
 
 
 def _cut_apart(base: BaseMesh, places: np.ndarray) -> np.ndarray:
-    """Places of vertices, of which those on edges that healing cut are no longer at one: a flap there is a part."""
+    """The places of vertices, where vertices on edges that healing cut are at separate places. So a flap that was cut
+    there is a part of its own."""
     if base.origin is None or not len(base.origin.elements[CUT]):
         return places
     at_cut = np.isin(base.origin.vertex, base.origin.elements[CUT])
@@ -84,14 +86,14 @@ def _cut_apart(base: BaseMesh, places: np.ndarray) -> np.ndarray:
 
 
 def _small(found: MeasuredParts) -> np.ndarray:
-    """(parts,) bool: by what the constants at the top say."""
+    """(parts,) bool: which parts are small, by the constants above."""
     limit = np.where(found.closed, SMALL_AND_CLOSED, SMALL) * found.diagonal.max(initial=0.0)
     chosen = (found.diagonal <= limit) & (found.area > 0.0)
     return chosen if found.area[chosen].sum() <= MOST_AREA * found.area.sum() else np.zeros(len(chosen), bool)
 
 
 def _painted(base: BaseMesh, parts: np.ndarray, chosen: np.ndarray) -> np.ndarray:
-    """(parts,) bool: the ones that are painted all over, as long as there is cloth left beside the chosen ones."""
+    """(parts,) bool: the completely painted parts. None if, with the chosen parts, no cloth would be left."""
     if base.painted_rigid is None:
         return np.zeros(len(chosen), bool)
     has_faces = np.zeros(len(chosen), bool)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What tells one input of the solvers from another: 16 bytes of each. Never imports bpy."""
+"""Digests of the solvers' inputs, 16 bytes each: equal inputs have equal digests. Never imports bpy."""
 from __future__ import annotations
 
 import hashlib
@@ -9,7 +9,7 @@ import numpy as np
 
 
 def digest_of(first: bytes, positions: np.ndarray, *more: np.ndarray | None) -> bytes:
-    """Of one frame's input. first: digest of the settings, or other bytes that stand for what is no array."""
+    """Digest of one frame's input. first: digest of the settings, or other bytes for inputs that are not arrays."""
     digest = hashlib.blake2b(first, digest_size=16)
     digest.update(positions.data)
     for number, values in enumerate(more):
@@ -20,12 +20,12 @@ def digest_of(first: bytes, positions: np.ndarray, *more: np.ndarray | None) -> 
 
 
 def digest_of_settings(settings: Any, start: int, frame_rate: float) -> bytes:
-    """Of a dataclass of settings, on one timeline."""
+    """Digest of a settings dataclass, with the first frame and the frame rate."""
     return hashlib.blake2b(repr((settings, start, frame_rate)).encode(), digest_size=16).digest()
 
 
 def digest_of_paint(paint: dict[str, np.ndarray]) -> bytes:
-    """Of all that is painted, by name."""
+    """Digest of all painted values, sorted by name."""
     digest = hashlib.blake2b(digest_size=16)
     for name in sorted(paint):
         digest.update(name.encode())

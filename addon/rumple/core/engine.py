@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the systems share: pictures, and frames that do not depend on how one got there. Never imports bpy."""
+"""Wrinkles: the evaluator of one object, common to all systems. It solves, stores and replays frames, so that the
+result of a frame does not depend on the order of frames. Never imports bpy."""
 from __future__ import annotations
 
 import functools
@@ -30,38 +31,39 @@ from .surroundings import Surroundings
 from .system_steps import Pose, SystemSteps
 
 MOST_VERTICES = 4_000_000
-UserError = wording.UserError  # for those who see the engine only
-TABLES = (PROFILE := "profile", GUIDES)  # paint that is not a value for each vertex
+UserError = wording.UserError  # for modules that import only the engine
+TABLES = (PROFILE := "profile", GUIDES)  # paint that is a table, not a value for each vertex
 
 
 class Wrinkles(SystemSteps):
-    """A shown mesh bound to a base, and the frames that were solved for it.
+    """A shown mesh that is bound to a base mesh, and the frames that were solved for it.
 
     A system adds build() and the steps of SystemSteps.
     """
 
-    in_viewport: ViewportMesh | None = None  # what viewports show, where that has fewer vertices
-    outer: OuterSide | None = None  # where the thickness of a garment is modelled, and its outer side alone is solved
-    _last_pose: tuple[np.ndarray | None, Pose | None] = (None, None)  # positions, and what was made of them
+    in_viewport: ViewportMesh | None = None  # the mesh of viewports, if it has fewer vertices
+    outer: OuterSide | None = None  # set if the garment has modelled thickness: then only its outer side is solved
+    _last_pose: tuple[np.ndarray | None, Pose | None] = (None, None)  # positions, and the pose made from them
 
     def __init__(self, base: BaseMesh, source: BaseMesh, surface: kernels.Surface, model: Model,
                  warnings: list[str], unit_scale: float) -> None:
         """base, source: healed. surface: native, of the base."""
         self.name, self.base, self.source = base.name, base, source
         self.surface = surface
-        self.solved_surface = surface  # what the base cloth and the system are solved on
+        self.solved_surface = surface  # the surface that the base cloth and the system use
         self.model = model
         self.shown = model.shown
         self.warnings = warnings
         self.unit_scale = unit_scale  # metres per object unit
         self.frame_cache = FrameCache()
         self.paint_digest = b""  # of the paint of the last solve
-        self._last_settings: dict[tuple[int, float], tuple[bytes, float]] = {}  # by timeline: their digest, the frame
+        # by timeline: digest of the settings, frame
+        self._last_settings: dict[tuple[int, float], tuple[bytes, float]] = {}
         self._clip_labels = ClipLabels()
         self._paint: Any = None
         self._by_hand = ByHand()
         self._stage: Stage | None = None
-        self.settings_are_keyed = True  # where not, other settings at another frame are a change as well
+        self.settings_are_keyed = True  # if False, different settings at another frame are a change by the artist too
         self._cloth_paint: dict[str, np.ndarray] = {}
 
     # --- frames
@@ -70,13 +72,13 @@ class Wrinkles(SystemSteps):
                     following: tuple[float, np.ndarray] | None = None, for_preview: bool = False,
                     body: Body | None = None, surroundings: Surroundings = Surroundings(),
                     in_viewport: bool = False) -> FrameResult | PreviewFrame:
-        """The result of a frame: replayed when it is stored for the same input, else solved and stored.
+        """The result of a frame. It is replayed if it is stored for the same input, otherwise solved and stored.
 
         positions: (n, 3) float32, deformed base, object space. paint: values per base vertex, by name.
-        start: first frame of the clip; it needs no frame before it. frame_rate: frames a second. following: frame
-        and positions of the next one, where they are known: a rest shape that adapts looks ahead. for_preview: a
-        PreviewFrame is enough. body: what cloth stays outside of in this frame. surroundings: what cloth that swings
-        meets. in_viewport: the result of the mesh `in_viewport`, where there is one. Raises UserError.
+        start: first frame of the clip; it needs no frame before it. frame_rate: frames a second. following: number and
+        positions of the next frame, if they are known, because adaptive rest shapes look ahead. for_preview: a
+        PreviewFrame is enough. body: the cloth stays outside of it. surroundings: wind and force fields for swinging
+        cloth. in_viewport: return the result of the mesh `in_viewport`, if there is one. Raises UserError.
         """
         in_viewport, positions = in_viewport and self.in_viewport is not None, self.base.points(positions)
         if self.base.rigid is not None and settings.base_cloth != "OFF":
@@ -106,7 +108,7 @@ class Wrinkles(SystemSteps):
                        unplayed=request.settings.swings and not cached.final)
 
     def _frame_input(self, request: FrameRequest) -> FrameInput:
-        """What of it counts."""
+        """The parts of the request that the result depends on."""
         settings, rate = request.settings, request.frame_rate
         matrix, labels, following = None, None, None
         if request.world_from_object is not None and (self._reads_world(settings) or settings.base_cloth != "OFF"):
@@ -121,8 +123,8 @@ class Wrinkles(SystemSteps):
 
     def _find_or_solve(self, request: FrameRequest, settings_digest: bytes,
                        frame_input: FrameInput) -> tuple[CachedFrame, bool, Pose | None]:
-        """The entry of a frame, which is solved and stored where it was not; whether it was; and the pose that it was
-        solved in now."""
+        """The cache entry of a frame, which is solved and stored if necessary; whether it was stored before; and the
+        pose, if it was solved now."""
         settings, frame = request.settings, request.frame
         input_digest = frame_input.digest(settings_digest, settings.swings)
         begins = settings.stateless or frame <= request.start
@@ -146,7 +148,7 @@ class Wrinkles(SystemSteps):
 
     def _result_of(self, request: FrameRequest, cached: CachedFrame, pose: Pose | None,
                    frame_input: FrameInput) -> FrameResult | PreviewFrame:
-        """What is shown of a solved frame. pose: that it was solved in now, or None."""
+        """The result of a solved frame. pose: the pose if the frame was solved now, or None."""
         show: Callable[..., Any] = self._preview if request.for_preview else self._show
         over = self._solved_over(frame_input.frame, frame_input.animated)
         if pose is None:
@@ -169,25 +171,25 @@ class Wrinkles(SystemSteps):
         return system_state(self.state_of(frame))
 
     def solved_over(self, frame: float, positions: np.ndarray) -> np.ndarray:
-        """Object space, of `base`, whose first vertices are the coarse ones: what the wrinkles of a stored frame lie
-        on, the base cloth. Without one: the animated positions, which are given."""
+        """The positions under the wrinkles of a stored frame, object space: the base cloth, or without it the animated
+        positions, which are given. They belong to `base`, whose first vertices are the coarse ones."""
         return self._solved_over(frame, self.base.points(positions))
 
     def _solved_over(self, frame: float, positions: np.ndarray) -> np.ndarray:
-        """The same. positions: of `base`."""
+        """Like solved_over(). positions: of `base`."""
         cloth = self._cloth_at(frame)
         return positions if cloth is None else cloth.positions
 
     def _cloth_at(self, frame: float) -> ClothFrame | None:
-        """The base cloth of a stored frame. A frame that waits has none."""
+        """The base cloth of a stored frame. A waiting frame has none."""
         cached = self.frame_cache.get(frame)
         return None if cached is None or cached.waits else cloth_of(cached.state)
 
     # --- the base cloth
     def _solve_over(self, settings: SystemSettings, before: State | None, same_settings: bool,
                     frame_input: FrameInput) -> tuple[State, Any, Pose]:
-        """The base cloth, or the animated mesh out of a body, then the system over it. Everything as _solve() has it;
-        and the pose that it was solved in."""
+        """Solve the base cloth, or move the animated mesh out of a body. Then solve the system over it. Arguments and
+        results as in _solve(), and the pose."""
         positions, own = self._positions_solved(frame_input.animated), system_state(before)
         if settings.base_cloth == "OFF" and frame_input.body is None:
             pose = self._pose(positions, frame_input)
@@ -204,19 +206,19 @@ class Wrinkles(SystemSteps):
         return OnCloth(cloth, state), OnClothReport(cloth.report, report, has_body, is_free), pose
 
     def _has_other_body(self, body: Body | None) -> bool:
-        """Whether there is a body beside the skin in the same mesh."""
+        """Whether there is a body other than the skin in the garment's own mesh."""
         rigid = self.base.rigid
         return body is not None and (rigid is None or not rigid.skin.is_all_of(body))
 
     def _pose_at(self, frame: float, positions: np.ndarray) -> Any:
-        """The pose of a stored frame, for who looks at it: the one that was made last, if it is of these positions;
-        else what the library makes one of."""
+        """The pose of a stored frame, for functions that display it: the last pose if it has these positions, otherwise
+        the positions, from which the library makes a pose."""
         over = self.solved_over(frame, positions)
         made_of, pose = self._last_pose
         return pose if made_of is not None and np.array_equal(made_of, over) else over
 
     def base_cloth(self) -> Stage:
-        """Built once."""
+        """The stage that solves the base cloth. It is built once."""
         if self._stage is None:
             self._stage = Stage(self.solved_surface, self.base.diagonal(), self.unit_scale,
                                 lambda up: self._where_solved(suggested_follow(self._cloth_surface, up)),
@@ -224,36 +226,37 @@ class Wrinkles(SystemSteps):
         return self._stage
 
     def suggested_follow(self, settings: Any) -> np.ndarray:
-        """(n,) float32: how firmly the base cloth follows the animation while nothing is painted: what paint starts
-        from."""
+        """(n,) float32: how firmly the base cloth follows the animation while nothing is painted. New paint starts with
+        these values."""
         return suggested_follow(self._cloth_surface, settings.up)[:self.coarse_count]
 
     @property
     def _cloth_surface(self) -> kernels.Surface:
-        """Of the base, without an inner side, which has no borders."""
+        """The surface of the base without an inner side, because a mesh with an inner side has no borders."""
         return self.surface if self.outer is None else self.outer.surface
 
     def _result(self, shown: Any, frame_input: FrameInput, **own: np.ndarray) -> FrameResult:
-        """From a native picture of a frame: what was solved over the base cloth is embedded in the animated mesh."""
+        """The result, from the native output of a frame. Positions over the base cloth are embedded in the animated
+        mesh."""
         if frame_input.cloth is not None:
             kernels.embed_frame(self.surface, self.shown, frame_input.animated, shown)
         return FrameResult.of(shown, **own)
 
     def _add_rigid_parts(self, result: FrameResult | PreviewFrame, animated: np.ndarray, over: np.ndarray,
                          mesh: ShownMesh) -> None:
-        """over: what the wrinkles lie on. mesh: that is shown."""
+        """Add the rigid parts to a result. over: the positions under the wrinkles. mesh: the shown mesh."""
         attached = mesh.attached_parts
         if attached is None:
             return
         if isinstance(result, FrameResult):
             attached.add_to(result, animated, len(mesh.corner_vertex), self.ATTRIBUTES)
         elif result.proxy_offset is not None:
-            inside = attached.parts.vertex < len(result.proxy_offset)  # not what healing has made
+            inside = attached.parts.vertex < len(result.proxy_offset)  # not vertices that healing added
             result.proxy_offset[attached.parts.vertex[inside]] = attached.displacements(animated, over)[inside]
 
     # --- what changes
     def _take_inputs(self, request: FrameRequest) -> bytes:
-        """A digest of the settings. Stored frames are forgotten when the artist changed them, or the paint."""
+        """A digest of the settings. If the artist changed them or the paint, stored frames are removed."""
         timed = request.settings.swings or self._reads_time(request.settings)
         timeline = (request.start, request.frame_rate if timed else 0.0)
         settings_digest = digest_of_settings(request.settings, *timeline)
@@ -262,7 +265,7 @@ class Wrinkles(SystemSteps):
         return settings_digest
 
     def _take_painted(self, paint: dict[str, np.ndarray]) -> bool:
-        """Whether it is another paint than before."""
+        """Whether the paint differs from the last one."""
         digest = digest_of_paint(paint)
         repainted = digest != self.paint_digest
         if self._paint is not None and not repainted:
@@ -277,9 +280,10 @@ class Wrinkles(SystemSteps):
 
     def _forget_changed(self, timeline: tuple[int, float], frame: float, settings_digest: bytes,
                         repainted: bool) -> None:
-        """Settings that are animated differ from frame to frame: each has its own, and stays stored.
+        """Remove stored frames if the artist changed something. Animated settings also differ from frame to frame, but
+        then the stored frames stay.
 
-        timeline: first frame and frame rate. Of another, frames are other ones: each scene has its own.
+        timeline: first frame and frame rate. Each timeline has frames of its own, because scenes may differ in them.
         """
         self.frame_cache.follow(timeline)
         last, at = self._last_settings.get(timeline, (settings_digest, frame))
@@ -289,19 +293,19 @@ class Wrinkles(SystemSteps):
         self._last_settings[timeline] = settings_digest, frame
 
     def follow_inputs_of(self, former: "Wrinkles") -> None:
-        """What changes from now on is what differs from those inputs."""
+        """Take over the last inputs of other wrinkles. From now on, only differences from these are changes."""
         self.paint_digest, self._last_settings = former.paint_digest, dict(former._last_settings)
 
     # --- seeing ahead
     def analyze_clip(self, clip: dict[float, np.ndarray], settings: Any, *, frame_rate: float = 24.0) -> None:
-        """Label a whole clip before its frames are solved, for rest shapes that adapt: changes are then chosen for
-        all of it at once, not frame by frame. An empty clip: forget it. Stored frames are forgotten.
+        """Label a whole clip before its frames are solved, for adaptive rest shapes. Their changes are then chosen for
+        the whole clip at once, not frame by frame. Stored frames are removed. An empty clip removes the labels.
 
-        clip: (n, 3) float32 positions by whole frame, ascending. A frame that is solved with other positions is solved
-        as live, and noted in `pose_mismatches`; a subframe has the labels of the whole frame that it leads to. Over a
-        base cloth or a body no clip is labelled: what it will be is not known. Raises UserError. Cost: per frame and
-        1,000 triangles about 1 ms; half a megabyte while it is cut, for at most 500 frames of those, or 60 of any mesh;
-        a kilobyte afterwards.
+        clip: (n, 3) float32 positions by whole frame, ascending. If a frame is later solved with other positions, its
+        labels are not used, and it is added to `pose_mismatches`. A subframe has the labels of the next whole frame.
+        Over a base cloth or a body no clip is labelled, because the positions of the cloth are not known in advance.
+        Raises UserError. Cost for each frame and 1,000 triangles: about 1 ms; half a megabyte during the cut, for at
+        most 500 such frames, or 60 of any mesh; a kilobyte afterwards.
         """
         self.frame_cache.clear()
         self._clip_labels = ClipLabels()
@@ -315,22 +319,22 @@ class Wrinkles(SystemSteps):
 
     @property
     def pose_mismatches(self) -> set[float]:
-        """Frames that came with another pose than the clip that was looked at."""
+        """Frames whose pose differs from the pose in the analysed clip."""
         return self._clip_labels.pose_mismatches
 
     # --- what others ask
     @classmethod
     def build(cls, base: BaseMesh, settings: Any, *, unit_scale: float = 1.0,
               most_vertices: int = MOST_VERTICES) -> "Wrinkles":
-        """Make the shown mesh and bind it. unit_scale: metres per object unit. most_vertices: folds become no finer
-        than they allow. Raises UserError."""
+        """Make the shown mesh and bind it. unit_scale: metres per object unit. most_vertices: upper limit of the shown
+        mesh, which also limits how fine folds can be. Raises UserError."""
         raise NotImplementedError
 
     def status(self, result: FrameResult | PreviewFrame) -> list[str]:
-        """How the solve of a picture went, in lines for the artist."""
+        """A report on the solve of a frame, in lines for the artist."""
         report, rigid = result.report, self.base.rigid
         if report is None:
-            return []  # of a frame that waits
+            return []  # a waiting frame
         parts = self._by_hand.notes(self.name)
         parts += [] if rigid is None else rigid.lines()
         if not isinstance(report, OnClothReport):
@@ -338,20 +342,20 @@ class Wrinkles(SystemSteps):
         return [*self._status(report.wrinkles), *report.lines(self.name, self.unit_scale), *parts]
 
     def unplayed_message(self, frame: float, start: int) -> str:
-        """What to say of a picture that is `unplayed`."""
+        """The message for a result that is `unplayed`."""
         return (f"{self.name}: frame {frame:g} was reached by a jump, so its cloth hangs and does not swing: play from "
                 f"frame {start}, or bake")
 
     def worn_surface(self, frame: float, positions: np.ndarray) -> Body | None:
-        """What another garment lies on in a stored frame, object space; None: on the animated coarse mesh. positions:
-        of that, in the frame."""
+        """The surface that another garment lies on in a stored frame, object space. None: the animated coarse mesh.
+        positions: of the animated coarse mesh in this frame."""
         worn = self._worn_cloth(frame)
         if worn is None or self.base.rigid is None:
             return worn
         return self._worn_skin.joined(self.base.points(positions), worn)
 
     def _worn_cloth(self, frame: float) -> Body | None:
-        """The same without skin in the same mesh."""
+        """Like worn_surface(), without skin in the garment's own mesh."""
         cloth = self._cloth_at(frame)
         if cloth is None or len(cloth.positions) != len(self.base.positions):  # solved on a coarser mesh
             return None

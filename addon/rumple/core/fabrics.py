@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What fabrics weigh and how stiffly they bend, and what of it the solvers take. Never imports bpy."""
+"""Weight and bending stiffness of fabrics, and the settings that follow from them. Never imports bpy."""
 from __future__ import annotations
 
 from dataclasses import dataclass
@@ -9,25 +9,26 @@ GRAVITY = 9.81  # m/s^2
 
 @dataclass(frozen=True)
 class Fabric:
-    """What a fabric hangs by: its weight and how stiffly it bends. docs/folds_on_cloth.md has the sources."""
+    """The properties of a fabric that shape its folds. Sources: docs/folds_on_cloth.md."""
 
     mass: float  # kg/m^2
-    rigidity: float  # of bending, N m: the mean of warp and weft
-    slack: float = 1.02  # of a garment that is usually made of it
+    rigidity: float  # bending rigidity, N m: the mean of warp and weft
+    slack: float = 1.02  # usual slack of a garment made of this fabric
 
     @property
     def bending_length(self) -> float:
-        """Metres: (rigidity / weight)^(1/3), F. T. Peirce 1930. Folds are as wide as it is long, to scale."""
+        """Metres: (rigidity / weight)^(1/3), F. T. Peirce 1930. The width of folds is proportional to it."""
         return (self.rigidity / (self.mass * GRAVITY)) ** (1.0 / 3.0)
 
     @property
     def values(self) -> dict[str, float]:
-        """The settings of the base cloth that say it, for a preset."""
+        """The settings of the base cloth for this fabric, for a preset."""
         return dict(mass=self.mass, bending_length=float(f"{self.bending_length:.2g}"), slack=self.slack)
 
     @property
     def fold_width(self) -> float:
-        """Of its folds over cotton's, in twentieths: the way back to cotton gives the former number."""
+        """Width of its folds relative to cotton. It is rounded to twentieths, so that a change to this fabric and back
+        to cotton restores the former value exactly."""
         return round(20.0 * self.bending_length / COTTON.bending_length) / 20.0
 
 

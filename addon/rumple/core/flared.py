@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Garments that hang free of the body: skirts, and sheets as capes are. Never imports bpy."""
+"""Recognises garments that hang away from the body: skirts, and sheets such as capes. Never imports bpy."""
 from __future__ import annotations
 
 import numpy as np
@@ -9,14 +9,14 @@ from .connected import border_sides, borders, lowest_connected, parts
 from .triangles import area_vectors
 from .vertices import lengths, places
 
-FLARE = 1.4  # length of the lower opening over that of the upper one
-LEAST_OUTLINE = 0.75  # of a sheet: its outline squared over that of a flat disc of its area; a cap has a half
-LEAST_SHEET = 0.25  # of the wearer's diagonal: a mask, an eyebrow or a patch is smaller
+FLARE = 1.4  # least length of the lower opening / length of the upper one
+LEAST_OUTLINE = 0.75  # of a sheet: least outline^2 / outline^2 of a flat disc of the same area; a cap has 0.5
+LEAST_SHEET = 0.25  # least diagonal of a sheet / the wearer's: a mask, an eyebrow or a patch is smaller
 
 
 def is_flared(base: BaseMesh, up: np.ndarray) -> bool:
-    """Whether a mesh has two openings, and the lower one is far wider: there is no body below most of it. up: (3,) in
-    its space, at rest. Cost: about 10 ms for 50,000 polygons."""
+    """Whether a mesh has two openings, and the lower one is much wider. Then most of it has no body below. up: (3,) in
+    the mesh's space, at rest. Cost: about 10 ms for 50,000 polygons."""
     place = places(base.positions)
     first, other = border_sides(base, place).T
     label = lowest_connected(np.arange(len(place)), place[first], place[other])
@@ -32,8 +32,8 @@ def is_flared(base: BaseMesh, up: np.ndarray) -> bool:
 
 
 def is_sheet(base: BaseMesh, wearer: np.ndarray) -> bool:
-    """Whether more than half of a mesh is one part with one border, an outline: a cape or a scarf is, and no glove, no
-    hat, no head, no cards of hair. wearer: (m, 3) positions, in the object's space."""
+    """Whether more than half of a mesh is one part with a single border, its outline. This is true for a cape or a
+    scarf, not for a glove, a hat, a head or hair cards. wearer: (m, 3) positions, in the object's space."""
     place = places(base.positions)
     part = parts(base, place)
     area = np.bincount(part[base.triangles[:, 0]], lengths(area_vectors(base.positions, base.triangles)))

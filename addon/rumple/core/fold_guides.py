@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Guides: lines on a garment at rest become pleats, tucks or puckers of the mesh that is shown, or say where the folds
-of motion run. Never imports bpy.
+"""Fold guides: lines on a garment at rest that make pleats, tucks or puckers on the shown mesh, or that give the
+direction of the solved folds. Never imports bpy.
 
-A guide is some rows of a table, a point of its line in each: see COLUMNS. Folds are heights along the normals of the
-shown surface, found once at rest, so they ride on every pose. Directions go to the solvers (surface/strain/
-guided_strain.h in native/).
+A guide is a set of rows in a table, one row for each point of its line: see COLUMNS. Its folds are heights along the
+normals of the shown surface. They are computed once, at rest, and so follow every pose. Directions are passed to the
+solvers (native/surface/strain/guided_strain.h).
 """
 from __future__ import annotations
 
@@ -20,8 +20,8 @@ from .triangles import cross, unit
 from .vertices import nearest_of
 
 GUIDES = "guides"  # the paint
-ALONG = "along"  # the paint that directions become: (n, 3) of the base's vertices, of length 0..1, either sign
-# Of the paint: a row for each point of each guide, which has all that Guide says, and the number of its line.
+ALONG = "along"  # paint made from directions: (n, 3) of the base's vertices, length 0..1; v and -v mean the same
+# Columns of the paint, which has a row for each point of each guide: all fields of Guide, and the number of its line.
 COLUMNS = ("x", "y", "z", "factor", "line", "kind", "count", "spacing", "depth", "others")
 KINDS = (
     ("PLEATS", "Pleats", "Round folds along the curve"),
@@ -32,12 +32,12 @@ KINDS = (
 )
 LINE, KIND = COLUMNS.index("line"), COLUMNS.index("kind")
 PLEATS, KNIFE, TUCKS, PUCKER, DIRECTION = range(5)
-LEAN = 0.75  # where the crest of a knife pleat stands between its two valleys
+LEAN = 0.75  # position of the crest of a knife pleat between its valleys (0 and 1)
 TUCK = 0.5  # share of the spacing that a tuck takes
-STEPS = 4.0  # points of a line in the spacing of its folds
-COSINE_TERMS = 12  # of its series: between -pi/2 and pi/2 the next one is below 1e-18
+STEPS = 4.0  # points of a line per fold spacing
+COSINE_TERMS = 12  # of the cosine's series: between -pi/2 and pi/2 the next term is below 1e-18
 ARC_TERMS = 12  # of the series of the arc sine, for a sine up to 0.2
-FINEST = 0.25  # of the spacing: the longest edges that show a fold
+FINEST = 0.25  # longest edges / spacing with which the mesh can show a fold
 TOO_FAR = "a guide is too far from the garment at rest: move it onto the surface"
 
 
@@ -46,16 +46,17 @@ class Guide:
     """One line of k points. Lengths are object units."""
 
     points: np.ndarray  # (k, 3)
-    factor: np.ndarray  # (k,) of the depth, or of the direction
+    factor: np.ndarray  # (k,) factor on the depth, or on the direction
     kind: int  # place in KINDS
     count: float  # folds
-    spacing: float  # from fold to fold; of a direction, how far it reaches to each side
+    spacing: float  # distance between folds; for a direction: its reach to each side
     depth: float  # from valley to crest
-    others: float  # share of the other folds that stays between them; of a direction, that stays as it is
+    # share of the other folds that stays between them; for a direction: share that keeps its own direction
+    others: float
 
     @classmethod
     def all_of(cls, table: np.ndarray) -> list["Guide"]:
-        """Of the paint, by the numbers of their lines. float64."""
+        """All guides in the paint, in the order of their line numbers. float64."""
         return [cls._of(table[table[:, LINE] == line].astype(np.float64)) for line in np.unique(table[:, LINE])]
 
     @classmethod
@@ -73,7 +74,7 @@ class Guide:
 def crest(share: np.ndarray) -> np.ndarray:
     """Height of a round fold, 0 at its valleys (0 and 1), 1 at its crest (one half), with level ends."""
     square = (math.pi * (share - np.floor(share) - 0.5)) ** 2
-    cosine = np.ones_like(square)  # by its series: NumPy's own has another last bit on another processor
+    cosine = np.ones_like(square)  # by its series, because the last bit of NumPy's cosine depends on the processor
     for k in range(COSINE_TERMS, 0, -1):
         cosine = 1.0 - cosine * square / ((2 * k - 1) * 2 * k)
     return cosine * cosine
@@ -94,8 +95,8 @@ def profile(kind: int, across: np.ndarray, along: np.ndarray, count: float, spac
 
 def directions(table: np.ndarray, positions: np.ndarray, polygon_start: np.ndarray,
                corner_vertex: np.ndarray) -> tuple[np.ndarray | None, list[str]]:
-    """ALONG of a mesh at rest, of the guides that are directions, None where there is none; and what is to be said.
-    Where lines cross they mix: of two at right angles that ask for as much nothing is left."""
+    """The paint ALONG of a mesh at rest, from the guides that are directions, or None; and messages. Where lines cross,
+    they are mixed: two equally strong ones at right angles cancel each other."""
     table = table[table[:, KIND] == DIRECTION]
     if not len(table):
         return None, []
@@ -118,7 +119,7 @@ def directions(table: np.ndarray, positions: np.ndarray, polygon_start: np.ndarr
 
 
 class _AtRest:
-    """A mesh at rest, around lines that lie on it."""
+    """Measures the neighbourhood of lines on a mesh at rest."""
 
     def __init__(self, positions: np.ndarray, start: np.ndarray, corners: np.ndarray) -> None:
         self._rest = np.asarray(positions, np.float64)
@@ -127,17 +128,18 @@ class _AtRest:
         first, last = np.repeat(start[:-1], sizes), np.repeat(start[1:] - 1, sizes)
         self._corner = np.stack([corners, corners[np.where(place == last, first, place + 1)],
                                  corners[np.where(place == first, last, place - 1)]])
-        # What stands at one place on two sides of a seam moves as one.
+        # Vertices at the same place on both sides of a seam move together.
         steps = np.round((self._rest - self._rest.min(axis=0)) / (1e-6 * np.ptp(self._rest, axis=0).max()))
         x, y, z = steps.astype(np.int64).T
         used, self._place = np.unique((x << 42) + (y << 21) + z, return_inverse=True)
         self._normals = _normals(self._rest, self._corner, self._place[corners], len(used))[self._place]
-        self._has_face = np.zeros(len(self._rest), bool)  # not what is loose, or belongs to a rigid part
+        self._has_face = np.zeros(len(self._rest), bool)  # False for loose vertices and rigid parts
         self._has_face[corners] = True
         self.notes: list[str] = []
 
     def direction(self, guide: Guide) -> tuple[np.ndarray, np.ndarray]:
-        """Of one guide: vertices, and ALONG there: whole within half of its reach, nothing behind it."""
+        """The vertices near one guide, and ALONG there: full strength within half of its reach, zero beyond the
+        reach."""
         reach = guide.spacing
         nothing = np.zeros(0, np.int64), np.zeros((0, 3))
         if len(guide.points) < 2 or not 0.0 < reach < math.inf:
@@ -161,19 +163,20 @@ class _AtRest:
         return np.flatnonzero(((self._rest >= low) & (self._rest <= high)).all(axis=1) & self._has_face)
 
     def _on_surface(self, line: np.ndarray, near: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """The points of a line on the surface, the normals there, and the vertices beside them."""
+        """The points of a line projected onto the surface, the normals there, and the closest vertices."""
         closest = nearest_of(line, self._rest, near)[0]
         normal = self._normals[closest]
         return line + normal * ((self._rest[closest] - line) * normal).sum(axis=1)[:, None], normal, closest
 
     def _measured(self, near: np.ndarray, foot: np.ndarray, normal: np.ndarray,
                   factor: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-        """Of vertices: distances across the line along the surface, signed, along it, and beyond its ends; the factor
-        of the depth; and the direction of the line."""
+        """For vertices: the signed distance across the line, measured along the surface; the distance along the line;
+        the distance beyond its ends; the factor on the depth; and the direction of the line."""
         points, side = self._rest[near], np.diff(foot, axis=0)
         lengths = np.maximum(np.linalg.norm(side, axis=1), 1e-12)
         best, segment, share = np.full(len(near), np.inf), np.zeros(len(near), np.int64), np.zeros(len(near))
-        closest = nearest_of(points, foot, np.arange(len(foot)))[0]  # steps are short: one of the two beside that point
+        # steps are short, so the closest segment touches the closest point
+        closest = nearest_of(points, foot, np.arange(len(foot)))[0]
         for number in (np.maximum(closest - 1, 0), np.minimum(closest, len(side) - 1)):
             from_begin = points - foot[number]
             at = np.clip(_dot(from_begin, side[number]) / lengths[number] ** 2, 0.0, 1.0)
@@ -190,14 +193,14 @@ class _AtRest:
         under = unit((1.0 - share)[:, None] * normal[segment] + share[:, None] * normal[segment + 1])
         straight = from_line - along_tangent[:, None] * tangent * ends[:, None]
         sign = np.sign(_dot(cross(under, tangent), straight))
-        # Over an arc the chord is shorter, by the angle between the normals at its ends.
+        # A chord is shorter than its arc. The angle between the normals at its ends gives the ratio.
         across = sign * np.linalg.norm(straight, axis=1) * _arc_of_chord(_dot(under, self._normals[near]))
         at_begin = np.concatenate([[0.0], np.cumsum(lengths)])[segment]
         depth_factor = (1.0 - share) * factor[segment] + share * factor[segment + 1]
         return across, at_begin + share * lengths[segment], beyond, depth_factor, tangent
 
     def _connected(self, near: np.ndarray, inside: np.ndarray, seeds: np.ndarray) -> np.ndarray:
-        """Which of those near a line hang together with what lies under it: not the other side of a sleeve."""
+        """Which vertices near a line are connected with those under it. The other side of a sleeve is not."""
         is_in = np.zeros(len(self._rest), bool)
         is_in[self._place[near[inside]]] = True  # by place
         ends = self._place[self._corner[:2]]
@@ -214,7 +217,7 @@ class _AtRest:
 
 
 class GuidedFolds(_AtRest):
-    """The folds of all guides of a garment, on a native mesh that is shown."""
+    """The folds of all guides of a garment, on a native output mesh."""
 
     def __init__(self, table: np.ndarray, shown: Any) -> None:
         super().__init__(shown.positions_rest, shown.polygon_start, shown.corner_vertex)
@@ -227,14 +230,14 @@ class GuidedFolds(_AtRest):
         beside = np.zeros(len(self._rest), bool)
         beside[self._place[self.rows]] = True  # by place
         self._corner = self._corner[:, beside[self._place[self._corner[0]]]]
-        # Places are numbered anew: those that count only.
+        # Only the places that are used get new numbers.
         used, numbers = np.unique(self._place[self._corner[0]], return_inverse=True)
         self._at_corner, self._places = numbers, len(used)
         self._at_row = np.searchsorted(used, self._place[self.rows])
         self._heights = self._heights.astype(np.float32)
 
     def displacements(self, positions: np.ndarray) -> np.ndarray:
-        """(rows, 3) from the shown mesh without them. positions: (d, 3)."""
+        """(rows, 3) displacements by these folds. positions: (d, 3) of the shown mesh without them."""
         return self._heights[:, None] * _normals(positions, self._corner, self._at_corner, self._places)[self._at_row]
 
     # --- one guide, at rest
@@ -273,8 +276,8 @@ class GuidedFolds(_AtRest):
 
 
 def _normals(positions: np.ndarray, corner: np.ndarray, at: np.ndarray, places: int) -> np.ndarray:
-    """(places, 3) unit normals; zero where there is no face. corner: (3, c) vertices of corners, with the next and the
-    one before; at: (c,) places."""
+    """(places, 3) unit normals; zero where there is no face. corner: (3, c) vertices of each corner, the next and the
+    previous one; at: (c,) places."""
     here, after, before = (positions[vertices] for vertices in corner)
     turned = cross(after - here, before - here)
     sums = [np.bincount(at, turned[:, k], places) for k in range(3)]
@@ -282,16 +285,16 @@ def _normals(positions: np.ndarray, corner: np.ndarray, at: np.ndarray, places: 
 
 
 def _dot(one: np.ndarray, other: np.ndarray) -> np.ndarray:
-    """(n,) of (n, 3): one term after the other, so that all processors round alike."""
+    """(n,) dot products of (n, 3). The terms are added one by one, so that all processors round in the same way."""
     return one[:, 0] * other[:, 0] + one[:, 1] * other[:, 1] + one[:, 2] * other[:, 2]
 
 
 def _arc_of_chord(cosine: np.ndarray) -> np.ndarray:
-    """How much longer an arc is than its chord: x / sin x, of the cosine of the angle 2 x between the normals at its
-    ends."""
+    """The ratio of an arc to its chord, x / sin x. The argument is the cosine of 2 x, the angle between the normals at
+    its ends."""
     sine = np.sqrt(np.clip(0.5 - 0.5 * cosine, 0.0, 1.0))
     half, doubled = sine, 1.0
-    for _ in range(3):  # the sine of a half of the angle, of a quarter, of an eighth
+    for _ in range(3):  # the sines of a half, a quarter and an eighth of the angle
         half, doubled = half / np.sqrt(2.0 + 2.0 * np.sqrt(1.0 - half * half)), 2.0 * doubled
     square, series = half * half, np.ones_like(sine)
     for k in range(ARC_TERMS, 0, -1):  # asin s / s = 1 + s^2 / 6 + 3 s^4 / 40 + ...
@@ -300,7 +303,7 @@ def _arc_of_chord(cosine: np.ndarray) -> np.ndarray:
 
 
 def _resampled(line: np.ndarray, factor: np.ndarray, longest: float) -> tuple[np.ndarray, np.ndarray]:
-    """A line with no longer steps, at most a thousand more points."""
+    """A line whose steps are no longer than `longest`, with at most a thousand additional points."""
     lengths = np.linalg.norm(np.diff(line, axis=0), axis=1)
     longest = max(longest, lengths.sum() / 1000.0, 1e-9)
     places = [np.zeros(1)]

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Solved frames kept in memory, so that the picture of a frame does not depend on how one got there.
+"""The frame cache: keeps solved frames in memory, so that a frame's result does not depend on the order of frames.
 
-A frame is *final* when it was solved from a final frame before it (or is the first frame, or needs no
-frame before it). A frame solved after a jump is provisional: it is replayed as it is until it is reached over more
-frames than before, then it is solved once more; when the frame before it is final, for the last time.
+A frame is *final* if it was solved from a final frame before it, if it is the first frame, or if it needs no frame
+before it. A frame solved after a jump is *provisional*. It is replayed until it is reached over more frames than
+before. Then it is solved once more. When the frame before it is final, it is solved for the last time.
 """
 from __future__ import annotations
 
@@ -14,15 +14,15 @@ from typing import Any, Callable, Hashable, Iterable, Protocol
 
 from .frame_result import FrameResult
 
-MOST_TIMELINES = 4  # kept of one object
+MOST_TIMELINES = 4  # kept for one object
 MOST_WAITING, MOST_WAITING_BYTES = 1000, 256 * 2**20  # frames in a row
 
 
 @dataclass(eq=False)
 class CachedFrame:
-    """One frame: what it was solved for, whether it is final, and the solver's state.
+    """One frame: digests of its input, whether it is final, and the solver's state.
 
-    A frame that nobody needs yet waits: it is solved when its state or its report is asked for, to the same bits.
+    A waiting frame is not solved yet. It is solved when its state or its report is needed, and gives the same bits.
     """
 
     input_digest: bytes  # of the settings and the deformed base positions (and matrix, if the solve reads it)
@@ -30,11 +30,13 @@ class CachedFrame:
     final: bool
     nbytes: int  # memory of the state
     _solved: tuple[Any, Any] = (None, None)  # state, report
-    _before: "CachedFrame | None" = None  # while it waits: the frame that it goes on from ...
-    _solve: Callable[[Any], tuple[Any, Any]] | None = None  # ... and the state of that -> state, report
-    chain: bytes = b""  # of a final frame: digest of its inputs and those of all frames that it goes on from
-    run: int = 0  # how many frames it goes on from: put()
-    pictures: dict[bool, FrameResult] = field(default_factory=dict)  # by whether they are of what viewports show
+    _before: "CachedFrame | None" = None  # while it waits: the frame before it ...
+    # ... and a function: state of the frame before -> state, report
+    _solve: Callable[[Any], tuple[Any, Any]] | None = None
+    chain: bytes = b""  # of a final frame: digest of the inputs of this and all frames before it
+    run: int = 0  # number of frames that it was reached over, see put()
+    # key: whether the result is of the mesh of viewports
+    pictures: dict[bool, FrameResult] = field(default_factory=dict)
     was_replayed: bool = False
 
     @classmethod
@@ -46,8 +48,8 @@ class CachedFrame:
     @classmethod
     def waiting(cls, before: "CachedFrame", input_digest: bytes, settings_digest: bytes, final: bool,
                 solve: Callable[[Any], tuple[Any, Any]], chain: bytes = b"") -> "CachedFrame":
-        """A frame whose state takes as much memory as that of the frame before it. When too many in a row wait, the
-        first of them is solved."""
+        """A waiting frame. Its state is assumed to need as much memory as the state of the frame before it. If too many
+        frames in a row wait, the first of them is solved."""
         frame = cls(input_digest, settings_digest, final, before.nbytes, _before=before, _solve=solve, chain=chain)
         row = frame._row()
         if len(row) > MOST_WAITING or len(row) * frame.nbytes > MOST_WAITING_BYTES:
@@ -67,7 +69,7 @@ class CachedFrame:
         return self._state_and_report()[1]
 
     def _row(self) -> list["CachedFrame"]:
-        """This frame and those before it that wait, the first one last."""
+        """This frame and the waiting frames before it, the earliest one last."""
         row: list[CachedFrame] = []
         frame: CachedFrame | None = self
         while frame is not None and frame.waits:
@@ -76,48 +78,48 @@ class CachedFrame:
         return row
 
     def _state_and_report(self) -> tuple[Any, Any]:
-        for frame in reversed(self._row()):  # a loop: Python allows no thousand calls inside one another
+        for frame in reversed(self._row()):  # a loop, because Python does not allow a thousand nested calls
             frame._solve_now()
         return self._solved
 
     def _solve_now(self) -> None:
-        """After the frame before it."""
+        """Solve this frame. The frame before it is already solved."""
         assert self._solve is not None and self._before is not None
         self._solved = self._solve(self._before._solved[0])
         self._solve = self._before = None
 
 
 def chain_of(input_digest: bytes, before: CachedFrame | None) -> bytes:
-    """The chain of a frame that goes on from another one, or from nothing."""
+    """The chain of a frame after another one, or of a frame without one before it."""
     return hashlib.blake2b(input_digest + (b"" if before is None else before.chain), digest_size=16).digest()
 
 
 class OnDisk(Protocol):
-    """Where frames are kept outside of memory: kept_frames.py."""
+    """Frames that are stored on disk: kept_frames.py."""
 
     def read(self, frame: float, input_digest: bytes) -> CachedFrame | None:
-        """The final frame of these inputs."""
+        """The stored final frame with these inputs, or None."""
 
 
 class FrameCache:
     """Entries by frame number (subframes included), within a limit of memory.
 
-    Scenes with another first frame or frame rate have entries of their own, see follow(). limit_bytes: of all together;
-    when exceeded, pictures are dropped, then those of other scenes, then entries farthest from the newest, provisional
-    ones first. What the next frame goes on from stays, whatever the limit.
+    Scenes with another first frame or frame rate have entries of their own, see follow(). limit_bytes: for all entries
+    together. Above it, results are dropped first, then entries of other scenes, then the entries farthest from the
+    newest one, provisional entries first. The entries that the next frame may need are always kept.
     """
 
     def __init__(self, limit_bytes: int = 512 * 2**20) -> None:
         self.limit_bytes = limit_bytes
         self._entries: dict[float, CachedFrame] = {}
         self._timeline: Hashable = None
-        self._timelines: dict[Hashable, dict[float, CachedFrame]] = {None: self._entries}  # the last used last
+        self._timelines: dict[Hashable, dict[float, CachedFrame]] = {None: self._entries}  # the most recent one is last
         self._bytes = self._picture_bytes = 0
         self._refused: set[tuple[Hashable, float]] = set()  # timeline, frame
         self.on_disk: OnDisk | None = None
 
     def follow(self, timeline: Hashable) -> None:
-        """Go on with the entries of a timeline: what tells frames of one number apart."""
+        """Use the entries of a timeline. Frames with the same number differ between timelines."""
         if timeline == self._timeline:
             return
         self._entries = self._timelines.pop(timeline, {})
@@ -139,20 +141,21 @@ class FrameCache:
         return self._entries.get(frame)
 
     def before(self, frame: float) -> CachedFrame | None:
-        """The whole frame that a frame goes on from: the one before it, or the one a subframe is in. Those that were
-        refused are passed over: behind a wild frame, the last good one."""
+        """The whole frame from which a frame is solved: the frame before it, or the one that a subframe follows.
+        Refused frames are skipped, so that solving continues from the last good frame."""
         before = math.ceil(frame) - 1.0
         while (self._timeline, before) in self._refused:
             before -= 1.0
         return self._entries.get(before)
 
     def refuse(self, frame: float) -> None:
-        """A frame that cannot be solved, as where a simulation explodes; until it is put."""
+        """Mark a frame as impossible to solve, for example because a simulation explodes. put() removes the mark."""
         self._refused.add((self._timeline, frame))
 
     def find(self, frame: float, input_digest: bytes, final: bool, before: CachedFrame | None) -> CachedFrame | None:
-        """The entry that may be replayed, from memory or disk: of these inputs, and where the frame would be final
-        reached over the same inputs of the frames before it, else over as many frames at least."""
+        """The entry that may be replayed, from memory or disk. It must have the same inputs. If the frame would be
+        final, the frames before it must have the same inputs too. Otherwise the entry must have been reached over at
+        least as many frames."""
         def fits(cached: CachedFrame | None) -> bool:
             if cached is None or cached.input_digest != input_digest:
                 return False
@@ -170,16 +173,16 @@ class FrameCache:
         return kept
 
     def final_frames(self) -> list[tuple[float, CachedFrame]]:
-        """Those of all timelines that are solved."""
+        """The solved final frames of all timelines."""
         return [(frame, cached) for frame, cached in self._all() if cached.final and not cached.waits]
 
     def _all(self) -> list[tuple[float, CachedFrame]]:
-        """Those of all timelines."""
+        """The frames of all timelines."""
         return [item for entries in list(self._timelines.values()) for item in list(entries.items())]
 
     def put(self, frame: float, cached: CachedFrame) -> None:
-        """Store a frame. Where it replaces another solution, what goes on from it is final no more: nothing does from
-        a subframe."""
+        """Store a frame. If it replaces a different solution, the frames solved from it are no longer final. (No frame
+        is solved from a subframe.)"""
         self._refused.discard((self._timeline, frame))
         old = self._entries.get(frame)
         if old is not None:
@@ -195,8 +198,8 @@ class FrameCache:
         self._evict(frame)
 
     def picture(self, cached: CachedFrame, in_viewport: bool, make: Callable[[], Any]) -> FrameResult:
-        """Of an entry that is replayed. Kept from its second replay on, where there is room: what was played and then
-        baked or rendered is not asked for again."""
+        """The result of a replayed entry. It is kept from its second replay on, if memory allows. Not from the first,
+        because a frame that is played and then baked or rendered is not needed again."""
         found = cached.pictures.get(in_viewport)
         if found is None:
             found = make()
@@ -207,14 +210,14 @@ class FrameCache:
         return found
 
     def clear(self) -> None:
-        """Forget every frame, those of other timelines too."""
+        """Remove all frames of all timelines."""
         self._entries = {}
         self._timelines = {self._timeline: self._entries}
         self._bytes = self._picture_bytes = 0
         self._refused.clear()
 
     def take(self, former: "FrameCache", restored: Callable[[CachedFrame], CachedFrame]) -> None:
-        """The solved frames of another one, which has none afterwards. restored: such a frame, for who has this one."""
+        """Move the solved frames of another cache here. restored: converts a frame for the owner of this cache."""
         for timeline, entries in former._timelines.items():
             self.follow(timeline)
             for frame, cached in sorted(entries.items()):
@@ -225,17 +228,18 @@ class FrameCache:
 
     @property
     def bytes(self) -> int:
-        """Memory that the stored states take."""
+        """Memory of the stored states."""
         return self._bytes
 
     def frames(self) -> list[tuple[float, bool]]:
-        """(frame, final) of every stored frame of this timeline, ascending. Panels ask while a render may store."""
+        """(frame, final) of every stored frame of this timeline, ascending. It works on a copy, because a render may
+        store frames at the same time."""
         entries = list(self._entries.items())
         return [(frame, cached.final) for frame, cached in sorted(entries, key=lambda entry: entry[0])]
 
     def _evict(self, newest: float) -> None:
-        """Never the whole frames around the newest, nor the one before: the next one goes on from one of these, or a
-        subframe does, as where a shutter opens."""
+        """Drop entries above the limit. The whole frames around the newest one and the one before are kept, because the
+        next frame, or a subframe for motion blur, is solved from one of them."""
         if self._bytes + self._picture_bytes > self.limit_bytes:
             for _, cached in self._all():
                 cached.pictures = {}

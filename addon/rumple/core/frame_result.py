@@ -14,14 +14,14 @@ class Attribute:
 
     name: str
     vector: bool = False
-    domain: str = "POINT"  # or CORNER
-    rest: float = 0.0  # before the first frame
-    unit: bool = False  # a direction: between two baked samples it is made a unit vector again
-    angle: bool = False  # radians: baked without jumps of whole turns
+    domain: str = "POINT"  # POINT or CORNER
+    rest: float = 0.0  # value before the first frame
+    unit: bool = False  # a direction: normalised again after interpolation between baked samples
+    angle: bool = False  # radians: baked without jumps by whole turns
 
     @property
     def data_type(self) -> str:
-        """As Blender calls it."""
+        """Blender's name of the type."""
         return "FLOAT_VECTOR" if self.vector else "FLOAT"
 
 
@@ -36,22 +36,22 @@ class FrameResult:
 
     local_offset: np.ndarray  # (d, 3) from the linear embedding, in the frame of the deformed base triangle
     positions: np.ndarray  # (d, 3)
-    attributes: dict[str, np.ndarray]  # by the names of the system's ATTRIBUTES: (d or corners,) or (..., 3)
+    attributes: dict[str, np.ndarray]  # key: name in the system's ATTRIBUTES; (d or corners,) or (..., 3)
     report: Any = None
     milliseconds: dict[str, float] = field(default_factory=dict)  # by stage: solve, show
     replayed: bool = False
-    unplayed: bool = False  # it was reached by a jump, and its cloth would swing
+    unplayed: bool = False  # its cloth should swing, but the frame was reached by a jump
 
     @classmethod
     def of(cls, shown: Any, **own: np.ndarray) -> "FrameResult":
-        """From a native picture. own: what its system has beside the common attributes."""
+        """From a native result. own: the attributes that only this system has."""
         return cls(shown.local_offset, shown.positions, dict(
             rumple_stretch_min=shown.stretch_min, rumple_stretch_max=shown.stretch_max,
             rumple_stretch_direction=shown.stretch_direction, rumple_offset=shown.offset, **own))
 
     @classmethod
     def at_rest(cls, positions: np.ndarray, corners: int, attributes: tuple[Attribute, ...]) -> "FrameResult":
-        """What is shown before the first frame."""
+        """The result before the first frame."""
         return cls(np.zeros_like(positions), positions,
                    {a.name: np.full((len(positions) if a.domain == "POINT" else corners, *([3] if a.vector else [])),
                                     a.rest, np.float32) for a in attributes})
@@ -75,14 +75,14 @@ class FrameResult:
 
 @dataclass
 class PreviewFrame:
-    """A frame for a viewport that draws the wrinkles itself: the shown mesh is not made."""
+    """A frame for a viewport that draws the wrinkles itself. The shown mesh is not computed."""
 
-    drawing: Any = None  # native: what is drawn; None: the viewport solves the frame itself
-    proxy_offset: np.ndarray | None = None  # (n, 3) from the coarse vertices to the surface that is drawn, object space
+    drawing: Any = None  # native drawing data; None: the viewport solves the frame itself
+    proxy_offset: np.ndarray | None = None  # (n, 3) from the coarse vertices to the drawn surface, object space
     report: Any = None
     milliseconds: dict[str, float] = field(default_factory=dict)  # by stage: solve, show
     replayed: bool = False
-    unplayed: bool = False  # as a FrameResult's
+    unplayed: bool = False  # see FrameResult
 
     def shows_the_same(self, other: "FrameResult | PreviewFrame") -> bool:
         """Whether an output object would hold the same bits."""

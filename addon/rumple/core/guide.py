@@ -1,14 +1,15 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Where docs/user_guide.md describes what: settings, buttons and messages, by the headings of that page."""
+"""Finds the heading of docs/user_guide.md that describes a setting, a button or a message."""
 from __future__ import annotations
 
 import os
 import re
 from pathlib import Path
 
-WEBSITE = ""  # of the site that scripts/site makes; empty while there is none. The manifest says the same
+WEBSITE = ""  # address of the site that scripts/site makes; empty while there is none. The same as in the manifest
 _ADDON = Path(os.path.abspath(__file__)).parents[1]
-FOLDERS = (_ADDON / "guide", _ADDON.parents[1] / "out" / "site")  # packages have the one, scripts/site makes the other
+# packages have the first, scripts/site makes the second
+FOLDERS = (_ADDON / "guide", _ADDON.parents[1] / "out" / "site")
 PAGE = "user_guide.html"
 
 # A heading's anchor -> settings and operators described below it. Names are patterns of fnmatch; the first one counts.
@@ -57,7 +58,7 @@ _GROUPS = {"mesh": "rumple_meshsettings", "field": "rumple_fieldsettings", "path
            "posed": "rumple_posedbone", "bone": "rumple_trackedbone", "maps": "rumple_maps", "keyed": "rumple_keyvalue",
            "key": "rumple_trackedkey", "guide": "rumple_guide", "*": "rumple_*settings"}
 
-# What a message says -> the heading below which the guide says what to do. The first one counts.
+# A pattern of a message -> the heading of the guide that says what to do. The first match counts.
 MESSAGES = tuple((re.compile(pattern), anchor) for pattern, anchor in (
     (r": unexpected ", "when-something-is-wrong"),
     (r"worn over|its body|of its bodies|was reached by a jump|Step of the scene|linked from a file of an older Rumple"
@@ -105,18 +106,19 @@ MESSAGES = tuple((re.compile(pattern), anchor) for pattern, anchor in (
 
 
 def address(anchor: str = "") -> str:
-    """Of the guide, at one of its headings. Empty where there is neither a site nor a copy of it."""
+    """The address of the guide, at one of its headings. Empty if there is neither a site nor a local copy."""
     site = WEBSITE or next((folder.as_uri() for folder in FOLDERS if (folder / PAGE).is_file()), "")
     return f"{site}/{PAGE}" + (f"#{anchor}" if anchor else "") if site else ""
 
 
 def anchors() -> set[str]:
-    """Every heading that is named here."""
+    """All headings that this module names."""
     return {*_PLACES, *(anchor for _pattern, anchor in MESSAGES)}
 
 
 def places() -> tuple[tuple[str, str], ...]:
-    """(pattern of Blender's name of a property or operator, in lower case; anchor): those that name one thing first."""
+    """(pattern of Blender's name of a property or operator, in lower case; anchor). Patterns for a single name come
+    first."""
     found = [(_blender_name(word), anchor) for anchor, words in _PLACES.items() for word in words.split()]
     return tuple(sorted(found, key=lambda place: place[0].endswith("*")))
 
@@ -127,5 +129,5 @@ def _blender_name(word: str) -> str:
 
 
 def place_of_message(text: str) -> str:
-    """The anchor of the heading that says what to do about a message; empty where none does."""
+    """The anchor of the heading that says what to do about a message; empty if there is none."""
     return next((anchor for pattern, anchor in MESSAGES if pattern.search(text)), "")

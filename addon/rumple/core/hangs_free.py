@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Hangs Free: where cloth is away from the body it has more room and fewer narrow folds, as the skirt of a dress does.
+"""The paint Hangs Free: cloth away from the body, like the skirt of a dress, gets more room and fewer narrow folds.
 Never imports bpy."""
 from __future__ import annotations
 
@@ -9,12 +9,13 @@ from .cloth_settings import ClothSettings
 from .paint_maps import smoothstep
 
 FREE = "free"  # the paint: 1 where cloth hangs free, 0 where it lies on the body
-NEAR, AWAY = 0.05, 0.13  # metres from the body, of a garment that an adult wears: there it lies on it; hangs free
-SHEET_HELD, SHEET_FREE = 0.06, 0.25  # of a cape's diagonal, below its upper end: it is held there; hangs free
-LEAST_FREE = 0.1  # share of the vertices: less is no part of a garment that hangs
-LEFT = (1.0, 0.5, 0.0)  # of Drape, Folds and Detail, or of what there is of them, where cloth hangs free
-WORN = "worn"  # the solver's paint of what does not hang free: wide layers gather little there
-SPREADS = 8  # times that every vertex takes the mean of itself and of those beside it
+NEAR, AWAY = 0.05, 0.13  # metres from an adult's body: up to NEAR cloth lies on it; from AWAY on it hangs free
+# distance below a cape's upper end / its diagonal: held up to here; hangs free from here on
+SHEET_HELD, SHEET_FREE = 0.06, 0.25
+LEAST_FREE = 0.1  # least share of the vertices: fewer are not a hanging part of a garment
+LEFT = (1.0, 0.5, 0.0)  # share of Drape, Folds and Detail that is left where cloth hangs free
+WORN = "worn"  # the solver's paint of cloth that does not hang free: wide layers gather little there
+SPREADS = 8  # smoothing steps: every vertex gets the mean of itself and its neighbours
 
 
 def share_of_distance(distance: np.ndarray, size: float) -> np.ndarray:
@@ -23,16 +24,16 @@ def share_of_distance(distance: np.ndarray, size: float) -> np.ndarray:
 
 
 def share_of_sheet(rest: np.ndarray) -> np.ndarray:
-    """(n,) 0..1 of a sheet (n, 3), Z up, by the height below its upper end. Its distance to the body does not tell:
-    beside an arm it would be held, and dented in the middle."""
+    """(n,) 0..1 of a sheet (n, 3), Z up, by the distance below its upper end. The distance to the body is not suitable:
+    a cape would be held beside an arm, and get a dent there."""
     below = rest[:, 2].max() - rest[:, 2]
     diagonal = np.linalg.norm(np.ptp(rest, axis=0))
     return smoothstep((below / diagonal - SHEET_HELD) / (SHEET_FREE - SHEET_HELD))
 
 
 def spread(share: np.ndarray, edges: np.ndarray, place: np.ndarray) -> np.ndarray:
-    """(n,) 0..1, or NaN where nothing is known -> (n,) float32, smoothed along the mesh, over seams that are cut as
-    well. edges: (m, 2). place: of places(). 0 where nothing is known around."""
+    """(n,) 0..1, or NaN where not known -> (n,) float32, smoothed along the mesh and across seams. 0 where nothing
+    nearby is known. edges: (m, 2). place: see places()."""
     known, at_place = np.isfinite(share), np.bincount(place)
     weight, value = (np.bincount(place, each) / at_place for each in (known, np.where(known, share, 0.0)))
     for _ in range(SPREADS):
@@ -48,14 +49,15 @@ def _mean_beside(values: np.ndarray, edges: np.ndarray) -> np.ndarray:
 
 
 def room_factor(free: np.ndarray, settings: ClothSettings) -> np.ndarray:
-    """(n,) float32: on Room, so that it becomes Free Room where cloth hangs free."""
+    """(n,) float32: factor on Room, so that it becomes Free Room where cloth hangs free."""
     widest = settings.free_room / settings.room if settings.room > 0.0 else 1.0
     return (1.0 + np.clip(free, 0.0, 1.0) * (max(widest, 1.0) - 1.0)).astype(np.float32)
 
 
 def with_wide_folds(paint: dict[str, np.ndarray], free: np.ndarray | None, words: list[str]) -> dict[str, np.ndarray]:
-    """Maps of the layers of a Wrinkle Mesh: where cloth hangs free, wide layers gather what is pressed together, narrow
-    folds are fewer, and no layer is cut wider than the cloth. free: (n,), or None. words: of the layers, coarse first.
+    """The paint of a Wrinkle Mesh with maps for its layers. Where cloth hangs free, wide layers gather the compressed
+    length, there are fewer narrow folds, and no layer is wider than the cloth. free: (n,), or None. words: of the
+    layers, coarse first.
     """
     if free is None or not words:
         return paint

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Keep Smooth: where it is painted, the bare surface is shown, of the base cloth where there is one. Never imports bpy.
+"""The paint Keep Smooth: painted places have no folds, but follow the base cloth, if there is one. Never imports bpy.
 """
 from __future__ import annotations
 
@@ -10,17 +10,18 @@ import numpy as np
 from .frame_result import FrameResult
 from .triangles import frames_of, on_shown, rowwise
 
-SMOOTH = "smooth"  # the paint: 1 where no fold may be, 0 as if nothing were painted
+SMOOTH = "smooth"  # the paint: 1: no folds, 0: as without paint
 
 
 def share_of_folds(smooth: np.ndarray) -> np.ndarray:
-    """(n,) float32 in 0..1: how much of the folds is left. An attribute may hold anything: what is no number is 0."""
+    """(n,) float32 in 0..1: the share of folds that is left. NaN in the paint, which an attribute may have, counts as
+    0."""
     return np.float32(1.0) - np.clip(np.nan_to_num(smooth, nan=0.0), 0.0, 1.0).astype(np.float32)
 
 
 def move(result: FrameResult, rows: np.ndarray, displacements: np.ndarray, shown: Any, base: np.ndarray) -> None:
-    """Move some vertices of a result, with all that says where they are. displacements: (rows, 3) object space.
-    base: (n, 3) positions that the mesh is embedded in."""
+    """Move some vertices of a result, and update all its arrays of positions and offsets. displacements: (rows, 3)
+    object space. base: (n, 3) positions that the mesh is embedded in."""
     frames = frames_of(base, shown.triangle_vertex[rows])
     result.positions = _plus(result.positions, rows, displacements)
     result.attributes["rumple_offset"] = _plus(result.offset, rows, displacements)
@@ -33,6 +34,6 @@ def left_on_shown(smooth: np.ndarray, shown: Any) -> np.ndarray:
 
 
 def _plus(values: np.ndarray, rows: np.ndarray, more: np.ndarray) -> np.ndarray:
-    moved = np.array(values)  # it may be a view of what the library holds
+    moved = np.array(values)  # a copy: it may be a view of memory that the library owns
     moved[rows] += more
     return moved

@@ -1,10 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Stored frames as files: what was played through is there again when the file is opened anew. Never imports bpy.
+"""Stores final frames as files, so that they need not be solved again after the blend file is reopened. Never imports
+bpy.
 
-A file for each final frame, in a folder for each object. Its name is a digest of all that the frame is of: version,
-model, paint, number and inputs; so a frame of other settings, or of another mesh, is never found. It holds the state of
-the solver, as a checkpoint does, behind a digest of its bytes. The same frame has the same bytes whoever writes it, and
-is put in place by a rename: two Blenders on one file write the same, and one may sweep what the other has written.
+Each object has a folder with a file for each final frame. The file name is a digest of everything that the frame
+depends on: version, model, paint, frame number and inputs. So a frame of other settings or of another mesh is never
+found. The file contains a digest of its bytes, then the solver's state in the format of a checkpoint. Every process
+writes the same bytes for the same frame, and moves the file into place by a rename. So two Blenders may use one folder,
+and one may remove files that the other has written.
 """
 from __future__ import annotations
 
@@ -25,33 +27,33 @@ if TYPE_CHECKING:
     from .engine import Wrinkles
 
 SUFFIX = ".frame"
-FORMAT = 8  # raised where frames get other bits. Those of 7 were swept in another order, for one
+FORMAT = 8  # raise it when frames get other bits. In format 7, for example, sweeps had another order
 _HEAD = b"rumple frame\n"
 _DIGEST = 16  # bytes
-_MOST_REFUSED = 5  # renames, one after the other: a virus scanner has a new file open for a moment
+_MOST_REFUSED = 5  # failed renames in a row: a virus scanner keeps a new file open for a moment
 
 
 class _NotNow(OSError):
-    """A rename was refused, perhaps for a moment."""
+    """A rename failed, perhaps only for a moment."""
 
 
 class KeptFrames:
-    """Those of one evaluator. It never raises: `note` says what went wrong."""
+    """The frame files of one evaluator. It never raises: `note` says what went wrong."""
 
     def __init__(self, evaluator: Wrinkles, folder: Path, identity: str, limit_bytes: int) -> None:
-        """folder: of this object alone; made when something is written. identity: tells the model from others.
+        """folder: of this object only; it is made by the first write. identity: text that identifies the model.
         limit_bytes: of all files in the folder."""
         self.evaluator, self.folder, self.about, self.limit_bytes = evaluator, folder, identity, limit_bytes
         self.identity = repr((FORMAT, c.VERSION, type(evaluator).__name__, evaluator.unit_scale, identity))
         self.note = ""
-        self._is_stopped = False  # nothing can be written
-        self._refused = 0  # renames since the last that was done
-        self._done: set[str] = set()  # names of files that were written, or found, or are too large
+        self._is_stopped = False  # writing is not possible
+        self._refused = 0  # failed renames since the last successful one
+        self._done: set[str] = set()  # names of files that were written, were found, or are too large
         self._damaged: set[str] = set()
 
     # --- reading
     def read(self, frame: float, input_digest: bytes) -> CachedFrame | None:
-        """The stored frame of these inputs, whole; None where there is none. Cost: that of reading its file."""
+        """The stored frame with these inputs, or None. Its digest is checked. Cost: reading one file."""
         name = self._name(frame, input_digest)
         if name in self._damaged:
             return None
@@ -80,8 +82,8 @@ class KeptFrames:
 
     # --- writing
     def write(self, seconds: float = math.inf) -> bool:
-        """Write final frames of the frame cache that are not on disk, at least one, for about so long. True where more
-        are left. Then what is above the limit is swept, the oldest first."""
+        """Write final frames of the frame cache that are not on disk, at least one, for about this number of seconds.
+        Then remove the oldest files above the limit. Returns whether more frames are left to write."""
         if self._is_stopped:
             return False
         ends, wrote, more = time.perf_counter() + seconds, False, False
@@ -105,7 +107,7 @@ class KeptFrames:
         return more
 
     def _write(self, name: str, frame: float, cached: CachedFrame, may_wait: bool) -> bool:
-        """True where it was written now."""
+        """Returns whether it was written now."""
         self._done.add(name)
         path = self.folder / name
         if name not in self._damaged and path.exists():
@@ -126,7 +128,8 @@ class KeptFrames:
         return True
 
     def _put(self, own: Path, path: Path, may_wait: bool) -> None:
-        """Raises _NotNow where the next write() is to try it again: a window does not wait for that."""
+        """Move a file into place. Raises _NotNow if the next write() should try again, because a window must not
+        wait."""
         try:
             if may_wait:
                 clip_folder.put(own, path)
@@ -147,7 +150,7 @@ class KeptFrames:
             try:
                 about = path.stat()
             except OSError:
-                continue  # another Blender has swept it
+                continue  # another Blender has removed it
             files.append((about.st_mtime_ns, path.name, about.st_size, path))
         total = sum(size for _, _, size, _ in files)
         for _, _, size, path in sorted(files):
@@ -168,7 +171,7 @@ class KeptFrames:
         return clip_folder.in_words(error, self.folder.parent)
 
     def _identity(self) -> str:
-        """With the paint, which may have changed since."""
+        """The identity with the digest of the current paint."""
         return f"{self.identity} {self.evaluator.paint_digest.hex()}"
 
     def _name(self, frame: float, input_digest: bytes) -> str:

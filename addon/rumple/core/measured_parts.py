@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The connected parts of a mesh in numbers: what skin, solid things and small parts are told by. Never imports bpy."""
+"""Measures the connected parts of a mesh, so that skin, solid things and small parts can be recognised. Never imports
+bpy."""
 from __future__ import annotations
 
 from dataclasses import dataclass
@@ -11,26 +12,26 @@ from .connected import border_sides, borders
 from .triangles import area_vectors
 from .vertices import diagonals, lengths
 
-OPENING = 1.0 / 110.0  # radius over the diagonal of the mesh: smaller borders are of eyes, mouths and eyelets
-NEAR = 0.05  # of that diagonal: what is so near lies on another part, or under it
+OPENING = 1.0 / 110.0  # radius of a border / diagonal of the mesh: smaller borders belong to eyes, mouths and eyelets
+NEAR = 0.05  # distance / this diagonal: a nearer part lies on another part, or under it
 
 
 @dataclass
 class MeasuredParts:
-    """Of every connected part; object units at rest."""
+    """Measures of every connected part; object units at rest."""
 
     whole: float  # diagonal of all faces
     diagonal: np.ndarray  # (parts,)
     area: np.ndarray  # (parts,)
-    flat: np.ndarray  # (parts,) 0 to 1: length of the sum of its faces' areas, as vectors, over its area
-    thick: np.ndarray  # (parts,) volume over area^1.5, its last opening closed
+    flat: np.ndarray  # (parts,) 0 to 1: length of the sum of its faces' area vectors / its area
+    thick: np.ndarray  # (parts,) volume / area^1.5, with its last opening closed
     closed: np.ndarray  # (parts,) bool: it has no border
-    openings: list[list[np.ndarray]]  # vertices of each open border that is no eyelet
+    openings: list[list[np.ndarray]]  # vertices of each open border that is not an eyelet
 
 
 def measured(base: BaseMesh, part: np.ndarray, place: np.ndarray) -> MeasuredParts:
-    """Of a mesh with faces. part, place: (n,) of the vertices, as connected.py has them. Cost: about 0.1 s for 50,000
-    vertices."""
+    """The measures of a mesh with faces. part, place: (n,) of the vertices, see connected.py. Cost: about 0.1 s for
+    50,000 vertices."""
     whole, count = float(lengths(np.ptp(base.positions[base.corner_vertex], axis=0)[None])[0]), int(part.max()) + 1
     half = area_vectors(base.positions, base.triangles)
     of = part[base.triangles[:, 0]]

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The stage before every system: the base cloth of a garment, and what a frame over it consists of. Never imports
-bpy."""
+"""The stage before every system: solves the base cloth of a garment, and defines the state of a frame over it. Never
+imports bpy."""
 from __future__ import annotations
 
 from dataclasses import dataclass, fields
@@ -19,8 +19,8 @@ from .hangs_free import FREE
 from .keep_smooth import SMOOTH, share_of_folds
 from .surroundings import Surroundings
 
-PAINTED = ("follow", "room", FREE, SMOOTH)  # what is painted for the base cloth itself
-LEAST_UNDER = 0.02  # of the vertices that have the body under them: with less something is wrong
+PAINTED = ("follow", "room", FREE, SMOOTH)  # the paint of the base cloth itself
+LEAST_UNDER = 0.02  # least share of vertices with the body under them: with fewer, something is wrong
 
 
 @dataclass
@@ -43,17 +43,17 @@ class OnClothReport:
     """How a frame that has a base cloth was solved."""
 
     cloth: Any  # native
-    wrinkles: Any  # what the system reports
-    has_body: bool  # whether it was worn over something
-    is_free: bool = True  # whether there is a base cloth, and not only a body that the animated mesh is kept out of
+    wrinkles: Any  # the system's report
+    has_body: bool  # whether it was worn over a body
+    is_free: bool = True  # False: there is no base cloth, and the animated mesh was only moved out of a body
 
     @property
     def layers(self) -> list[Any]:
-        """What the system reports of each layer, coarse first."""
+        """The system's report on each layer, coarse first."""
         return self.wrinkles if isinstance(self.wrinkles, list) else [self.wrinkles]
 
     def lines(self, name: str, unit_scale: float) -> list[str]:
-        """For the artist. name: of the object; unit_scale: metres per object unit."""
+        """Lines for the artist. name: of the object; unit_scale: metres per object unit."""
         offset = 1000.0 * unit_scale * self.cloth.offset_mean
         under = 100.0 * self.cloth.body_known
         lines = [f"Base cloth: {offset:.1f} mm from the animation on average, {under:.0f} % has the body under it"
@@ -70,16 +70,16 @@ def system_state(state: State | None) -> FrameState | None:
 
 
 def cloth_of(state: State | None) -> ClothFrame | None:
-    """The base cloth of a stored state; None where it has none."""
+    """The base cloth of a stored state, or None."""
     return state.cloth if isinstance(state, OnCloth) else None
 
 
 def _digest_of_start(settings: ClothSettings, paint: dict[str, np.ndarray], positions: np.ndarray,
                      world_from_object: np.ndarray | None, body: Body | None, covers: bool, seconds: float,
                      surroundings: Surroundings) -> bytes:
-    """What tells one frame of a base cloth that has none before it from another."""
+    """A digest of all inputs of a base cloth frame without a frame before it."""
     own = [getattr(settings, one.name) for one in fields(ClothSettings)]
-    has_time = settings.base_cloth == "SWING"  # of frames on their own as well: a frame says when it is
+    has_time = settings.base_cloth == "SWING"  # also for independent frames, because the stored frame contains its time
     about = repr((own, settings if settings.draped else None, settings.swings, covers, sorted(paint), body is None,
                   seconds if has_time else None))
     arrays = (world_from_object, *(paint[name] for name in sorted(paint)), *(body.arrays() if body else ()))
@@ -88,12 +88,12 @@ def _digest_of_start(settings: ClothSettings, paint: dict[str, np.ndarray], posi
 
 
 class Stage:
-    """The base cloth of one garment, whatever lies on it. Frames are handed in and out. The last one that began from
-    nothing is kept: a brush and a slider that change what lies on it ask for the same again."""
+    """Solves the base cloth of one garment, for any system. It gets and returns frames. The last frame without one
+    before it is kept, because a brush or a slider that changes only the wrinkles needs the same base cloth again."""
 
     def __init__(self, surface: Any, diagonal: float, unit_scale: float,
                  suggest: Callable[[str], np.ndarray] | None = None, inner: float = 0.0) -> None:
-        """As BaseCloth() has it."""
+        """Arguments as in BaseCloth()."""
         self.cloth = BaseCloth(surface, diagonal, unit_scale, suggest, inner)
         self._cover: Any = None
         self._drape: Drape | None = None
@@ -102,8 +102,8 @@ class Stage:
     def solve(self, settings: ClothSettings, paint: dict[str, np.ndarray], positions: np.ndarray,
               world_from_object: np.ndarray | None, body: Body | None, before: ClothFrame | None, covers: bool,
               seconds: float = 0.0, surroundings: Surroundings = Surroundings()) -> ClothFrame:
-        """One frame. Everything as BaseCloth.solve() has it. covers: the smooth surface of the cloth stays off the body
-        as well, for what lies on it knows none. Raises ValueError."""
+        """Solve one frame. Arguments as in BaseCloth.solve(). covers: also keep the smooth surface of the cloth off the
+        body, for systems that do not handle bodies. Raises ValueError."""
         rest = (settings, paint, positions, world_from_object, body)
         if before is not None:
             return self._solve(*rest, before, covers, seconds, surroundings)
@@ -115,7 +115,7 @@ class Stage:
     def _solve(self, settings: ClothSettings, paint: dict[str, np.ndarray], positions: np.ndarray,
                world_from_object: np.ndarray | None, body: Body | None, before: ClothFrame | None, covers: bool,
                seconds: float, surroundings: Surroundings) -> ClothFrame:
-        """The same, not looked up."""
+        """Like solve(), without the kept frame."""
         frame = self.cloth.solve(positions, settings, paint, world_from_object, body, before, seconds, surroundings)
         collider = self.cloth.collider(body)
         if settings.draped:
@@ -128,13 +128,13 @@ class Stage:
 
     @property
     def drape(self) -> Drape:
-        """The wide folds under a system that has none of its own. Built once."""
+        """The wide folds under a system that has none of its own. It is built once."""
         if self._drape is None:
             self._drape = Drape(self.cloth)
         return self._drape
 
     def contact(self, frame: ClothFrame, settings: ClothSettings, body: Body | None) -> dict[str, Any]:
-        """What keeps layers over a frame off what is worn under it, as solve_wrinkle_layers() has it."""
+        """The collision arguments of solve_wrinkle_layers(), for layers over this frame."""
         collider = self.cloth.collider(body)
         if collider is None or body is None:
             return dict(gap=frame.gap)
@@ -143,8 +143,8 @@ class Stage:
 
     def _lift(self, frame: ClothFrame, settings: ClothSettings, collider: Any, body: Body,
               where: np.ndarray | None) -> None:
-        """Out of the body, where the smooth surface cuts through it between the vertices. where: (n,), as Keep
-        Smooth is painted: only there; None: everywhere."""
+        """Lift the cloth out of the body where its smooth surface cuts through between the vertices. where: (n,) the
+        paint Keep Smooth, only there; None: everywhere."""
         if self._cover is None:
             self._cover = kernels.build_cloth_cover(self.cloth.surface)
         lifts = kernels.cover_bodies(self.cloth.surface, self._cover, collider, body.positions, frame.positions,

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Garments whose thickness was modelled: their outer side is the cloth, and the inner one and the rims move with it.
+"""Garments with modelled thickness: only the outer side is solved as cloth, the inner side and the rims move with it.
 Never imports bpy."""
 from __future__ import annotations
 
@@ -13,21 +13,21 @@ from .base_mesh import BaseMesh
 from .body import volume_share
 from .wording import UserError
 
-THIN = 0.015  # volume_share() of what may have an inner side: of a body it is twice that, of a padded jacket 0.008
+THIN = 0.015  # most volume_share() of a mesh that may have an inner side: a body has twice that, a padded jacket 0.008
 
 
 @dataclass(frozen=True)
 class OuterSide:
-    """Of a mesh: the polygons of its outer side, and all of parts without an inner one."""
+    """The outer side of a mesh. Parts without an inner side belong to it as a whole."""
 
     mesh: BaseMesh  # these polygons, with all vertices of the mesh
-    surface: Any  # native, of these
+    surface: Any  # native surface of these polygons
     thickness: float  # object units: how far the inner side is below it
 
 
 def find(base: BaseMesh, surface: Any, weld: bool) -> OuterSide | None:
-    """None where no thickness is modelled. base: healed; surface: native, of it. Cost: 1 ms for 10,000 triangles of
-    what is not thin, else about 1 ms for 1,000 polygons."""
+    """None if no thickness is modelled. base: healed; surface: native, of it. Cost: 1 ms for 10,000 triangles if the
+    mesh is not thin, otherwise about 1 ms for 1,000 polygons."""
     if not _is_thin(base):
         return None
     polygons, thickness = kernels.outer_side(surface, len(base.polygon_start) - 1)
@@ -37,24 +37,24 @@ def find(base: BaseMesh, surface: Any, weld: bool) -> OuterSide | None:
     try:
         return OuterSide(mesh, mesh.surface(weld), thickness)
     except UserError:
-        return None  # sides that meet at a vertex, for one
+        return None  # for example, sides that meet at a vertex
 
 
 def without_inner_side(base: BaseMesh) -> BaseMesh:
-    """Of a mesh at rest, as the artist has it, what is cloth; the mesh itself where no thickness is modelled, or it
-    cannot be told. Cost: as find(), and where it may have one that of healing it."""
+    """The outer side of an artist's mesh at rest. It is the mesh itself if no thickness is modelled, or if this cannot
+    be decided. Cost: see find(); for a thin mesh also the cost of healing."""
     if not _is_thin(base):
         return base
     try:
         healed = base.healed(True)
         outer = find(healed, healed.surface(True), True)
     except UserError:
-        return base  # what is wrong with it is said where it is built
+        return base  # the build reports what is wrong with it
     return base if outer is None else outer.mesh
 
 
 def triangles_of(base: BaseMesh) -> np.ndarray:
-    """(t, 3) of without_inner_side(), vertices as the artist has them."""
+    """(t, 3) triangles of without_inner_side(), as the artist's vertices."""
     outer = without_inner_side(base)
     return outer.triangles if outer.origin is None else outer.origin.vertex[outer.triangles]
 

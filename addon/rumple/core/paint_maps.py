@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Painted maps as arrays: their mean, a gradient from open borders, values of an image. Never imports bpy.
+"""Functions on painted maps as arrays: mean, gradient from open borders, values from an image. Never imports bpy.
 
 A map is (n,) float32 in 0..1, a weight for each vertex of the coarse mesh.
 """
@@ -7,14 +7,14 @@ from __future__ import annotations
 
 import numpy as np
 
-CHANGED = 1e-6  # a weight that differs by less is a rounding
-_SEAM = 1e-5  # of the size of the mesh: vertices of open edges that lie closer are one, as the wrinkles weld them
+CHANGED = 1e-6  # a smaller difference of weights is a rounding error
+_SEAM = 1e-5  # distance / size of the mesh: closer vertices of open edges count as one, as in the weld of the wrinkles
 LUMINANCE = np.array((0.2126, 0.7152, 0.0722), np.float32)  # Rec. 709
 CHANNELS = ("LUMINANCE", "ALPHA", "RED", "GREEN", "BLUE")
 
 
 WIDTH = "wavelength"  # the paint that scales how wide folds are
-NARROWEST = 0.5  # of the width of folds: what is painted lower counts as that, for finer meshes are heavy
+NARROWEST = 0.5  # least factor on the width of folds: lower paint counts as this, because finer meshes are slow
 
 
 def fold_width(weights: np.ndarray) -> np.ndarray:
@@ -23,13 +23,13 @@ def fold_width(weights: np.ndarray) -> np.ndarray:
 
 
 def narrowest_of(weights: np.ndarray | None) -> float:
-    """By what factor the finest folds are narrower than without the map: 1 or NARROWEST, so that a stroke makes a new
-    mesh once."""
+    """The factor for the finest folds, 1 or NARROWEST. There are only two values, so that a stroke makes a new mesh
+    only once."""
     return NARROWEST if weights is not None and (fold_width(weights) < 1.0 - CHANGED).any() else 1.0
 
 
 def numbers(weights: np.ndarray, rest: float) -> tuple[float, float]:
-    """Mean of a map, and the share of its vertices that are not as without it. rest: what they are then."""
+    """Mean of a map, and the share of its vertices that differ from `rest`, the value without a map."""
     if not len(weights):
         return 0.0, 0.0
     return float(weights.mean(dtype=np.float64)), np.count_nonzero(np.abs(weights - rest) > CHANGED) / len(weights)
@@ -37,10 +37,10 @@ def numbers(weights: np.ndarray, rest: float) -> tuple[float, float]:
 
 # ---------------------------------------------------------------- from the border
 def open_edges(edges: np.ndarray, uses: np.ndarray, positions: np.ndarray, weld: bool) -> tuple[np.ndarray, np.ndarray]:
-    """The open border of a mesh, and which vertices are one.
+    """The open border of a mesh, and which vertices count as one.
 
-    edges: (m, 2) vertices; uses: (m,) faces at each edge; positions: (n, 3). weld: open edges that lie on one another
-    are a seam, no border. Returns (k,) numbers of edges, and (n,) the vertex that stands for each.
+    edges: (m, 2) vertices; uses: (m,) faces at each edge; positions: (n, 3). weld: open edges at the same place are a
+    seam, not a border. Returns (k,) numbers of edges, and (n,) the vertex that represents each vertex.
     """
     same = np.arange(len(positions))
     border = np.flatnonzero(uses == 1)
@@ -57,9 +57,9 @@ def open_edges(edges: np.ndarray, uses: np.ndarray, positions: np.ndarray, weld:
 
 
 def border_distance(positions: np.ndarray, edges: np.ndarray, border: np.ndarray, most: float) -> np.ndarray:
-    """(n,) float32: the straight distance of each vertex to the nearest border edge that is reached along the mesh.
+    """(n,) float32: the straight distance of each vertex to the nearest border edge, found by a search along the mesh.
 
-    positions: (n, 3), in the unit of the result; edges: (m, 2); border: (k, 2), edges too. Infinite behind `most` and
+    positions: (n, 3), in the unit of the result; edges: (m, 2); border: (k, 2), edges too. Infinite beyond `most`, and
     where no border is reached. On a flat mesh it is exact. Cost: 20 ms per 10,000 vertices that are reached.
     """
     start, neighbour = _neighbours(len(positions), edges)
@@ -72,7 +72,8 @@ def border_distance(positions: np.ndarray, edges: np.ndarray, border: np.ndarray
         row = np.arange(len(source)) - np.repeat(np.cumsum(count) - count, count)
         target, edge = neighbour[start[source] + row], nearest[source]
         way = _to_segments(positions[target], positions[border[edge, 0]], positions[border[edge, 1]])
-        order = np.lexsort((edge, way))[::-1]  # the nearest is written last; where two are as near, the lower one
+        # the nearest one is written last; of two equally near ones, the lower number
+        order = np.lexsort((edge, way))[::-1]
         best, by = np.full(len(positions), np.inf), np.zeros(len(positions), np.int64)
         best[target[order]], by[target[order]] = way[order], edge[order]
         moving = np.flatnonzero((best < distance * (1.0 - 1e-9)) & (best <= most))
@@ -81,26 +82,26 @@ def border_distance(positions: np.ndarray, edges: np.ndarray, border: np.ndarray
 
 
 def smoothstep(share: np.ndarray) -> np.ndarray:
-    """3 t^2 - 2 t^3 of what is clamped to 0..1: flat at both ends."""
+    """3 t^2 - 2 t^3, with t clamped to 0..1: flat at both ends."""
     share = np.clip(share, 0.0, 1.0)
     return share * share * (3.0 - 2.0 * share)
 
 
 def gradient(distance: np.ndarray, most: float, smooth: bool) -> np.ndarray:
-    """0 at a distance of 0, 1 from `most` on. smooth: by smoothstep(), else evenly."""
+    """0 at a distance of 0, 1 from `most` on. smooth: with smoothstep(), otherwise linear."""
     share = np.clip(distance / most, 0.0, 1.0) if most > 0.0 else (distance > 0.0).astype(np.float32)
     return (smoothstep(share) if smooth else share).astype(np.float32)
 
 
 def _neighbours(count: int, edges: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Vertices beside each: (n + 1,) first row of each, (2 m,) vertices."""
+    """The neighbours of each vertex: (n + 1,) the first row of each vertex, (2 m,) neighbours."""
     both = np.concatenate([edges, edges[:, ::-1]])
     both = both[np.argsort(both[:, 0], kind="stable")]
     return np.searchsorted(both[:, 0], np.arange(count + 1)), both[:, 1]
 
 
 def _to_segments(points: np.ndarray, one: np.ndarray, two: np.ndarray) -> np.ndarray:
-    """Row by row, float64."""
+    """Distance of each point to the segment in the same row, float64."""
     side, way = (two - one).astype(np.float64), (points - one).astype(np.float64)
     length = np.einsum("ij,ij->i", side, side)
     share = np.clip(np.einsum("ij,ij->i", side, way) / np.where(length > 0.0, length, 1.0), 0.0, 1.0)
@@ -109,9 +110,9 @@ def _to_segments(points: np.ndarray, one: np.ndarray, two: np.ndarray) -> np.nda
 
 # ---------------------------------------------------------------- from an image
 def channel_of(pixels: np.ndarray, channel: str) -> np.ndarray:
-    """(h, w, c) values of an image -> (h, w) in 0..1, as they are stored, of one of CHANNELS. What is no number is 0.
+    """(h, w, c) stored values of an image -> (h, w) in 0..1, for one of CHANNELS. NaN counts as 0.
 
-    Without an alpha it is 1; an image of one value has the same in red, green and blue.
+    A missing alpha channel is 1. In an image with one channel, red, green and blue are equal.
     """
     count = pixels.shape[2]
     if channel == "ALPHA":
@@ -125,8 +126,8 @@ def channel_of(pixels: np.ndarray, channel: str) -> np.ndarray:
 
 
 def sampled(values: np.ndarray, uv: np.ndarray) -> np.ndarray:
-    """(h, w) values at (c, 2) UV coordinates -> (c,) float32: between pixels linearly, repeated outside of 0..1. Row 0
-    is at v = 0. A coordinate that is no number counts as 0."""
+    """(h, w) values at (c, 2) UV coordinates -> (c,) float32. Interpolates linearly, and repeats the image outside
+    0..1. Row 0 is at v = 0. A coordinate that is not finite counts as 0."""
     height, width = values.shape
     place = np.nan_to_num(uv.astype(np.float64), nan=0.0, posinf=0.0, neginf=0.0) % 1.0 * (width, height) - 0.5
     low = np.floor(place).astype(np.int64)
@@ -138,7 +139,7 @@ def sampled(values: np.ndarray, uv: np.ndarray) -> np.ndarray:
 
 
 def on_vertices(values: np.ndarray, corner_vertex: np.ndarray, count: int, otherwise: np.ndarray) -> np.ndarray:
-    """(c,) values of corners -> (n,) their mean at each vertex; (n,) `otherwise` where no face is."""
+    """(c,) values of corners -> (n,) their mean at each vertex; `otherwise`, (n,), at vertices without a face."""
     sums = np.bincount(corner_vertex, values, count)
     corners = np.bincount(corner_vertex, minlength=count)
     return np.where(corners > 0, sums / np.maximum(corners, 1), otherwise).astype(np.float32)

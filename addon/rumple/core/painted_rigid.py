@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Rigid, painted on cloth: a badge, a belt, a sole. Such a patch has no fold and is not rounded. Never imports bpy.
+"""The paint Rigid: patches of a garment without folds or rounding, like a badge, a belt or a sole. Never imports bpy.
 
-Its shape is that of the coarse mesh in the pose: a sole bends at the toes as it was skinned. What the base cloth does
-to it is replaced by one rigid motion of the whole patch. Where its weight is between 0 and 1, so is what is shown.
+A patch has the shape of the posed coarse mesh, so a sole bends at the toes as it was skinned. The motion of the base
+cloth is replaced by one rigid motion of the whole patch. A weight between 0 and 1 mixes both results.
 """
 from __future__ import annotations
 
@@ -19,14 +19,14 @@ from .keep_smooth import move
 from .shown_mesh import ShownMesh
 from .triangles import columnwise, corner_weights, frames_of, rowwise
 
-RIGID = "rigid"  # the paint: 1 where a patch is rigid, 0 as if nothing were painted
-WHOLE = 0.999  # a loose part of the mesh whose vertices all have so much is no cloth at all
-CORE = 0.5  # vertices of less belong to a patch and do not say how it moves
+RIGID = "rigid"  # the paint: 1: rigid, 0: as without paint
+WHOLE = 0.999  # a separate part of the mesh whose vertices all have at least this weight is not cloth at all
+CORE = 0.5  # vertices with a lower weight belong to a patch, but do not determine its motion
 
 
 def wholly_painted(base: BaseMesh, rigid: np.ndarray) -> np.ndarray | None:
-    """(n,) bool: vertices of loose parts that are painted all over; None where there are none. rigid: (n,) paint, of
-    the mesh as the artist has it."""
+    """(n,) bool: vertices of separate parts that are completely painted; None if there are none. rigid: (n,) paint of
+    the artist's mesh."""
     whole = rigid >= WHOLE
     if not whole.any():
         return None
@@ -37,16 +37,16 @@ def wholly_painted(base: BaseMesh, rigid: np.ndarray) -> np.ndarray | None:
 
 
 def patches_of(rigid: np.ndarray, base: BaseMesh) -> np.ndarray:
-    """(n,) int32: number of the patch of every vertex; -1 where nothing is painted. A patch is what is connected and
-    painted with CORE or more; paler vertices belong to the nearest one."""
+    """(n,) int32: number of the patch of every vertex; -1 where nothing is painted. A patch is a connected set of
+    vertices with a weight of CORE or more. Vertices with a lower weight belong to the nearest patch."""
     place = places(base.positions)
     first, other = (place[ends] for ends in spokes(base))
     sides = place[base.sides()]
     painted = np.zeros(len(rigid), np.float32)
-    np.maximum.at(painted, place, rigid)  # of those at one place
+    np.maximum.at(painted, place, rigid)  # the maximum of all vertices at one place
     none = len(rigid)
     label = np.full(none, none)
-    for least in (CORE, float(np.finfo(np.float32).tiny)):  # pale patches without a core are patches as well
+    for least in (CORE, float(np.finfo(np.float32).tiny)):  # then patches that have only low weights
         found = np.where((painted >= least) & (label == none), np.arange(none), none)
         inside = (found[first] < none) & (found[other] < none)
         found[found < none] = lowest_connected(np.arange(none), first[inside], other[inside])[found < none]
@@ -60,7 +60,7 @@ def patches_of(rigid: np.ndarray, base: BaseMesh) -> np.ndarray:
 
 
 def _spread(label: np.ndarray, allowed: np.ndarray, sides: np.ndarray, none: int) -> np.ndarray:
-    """Labels go on to allowed vertices without one, edge by edge; the lowest wins."""
+    """Spread labels along edges to allowed vertices without one. The lowest label wins."""
     while True:
         reached = label.copy()
         for one, other in ((0, 1), (1, 0)):
@@ -77,29 +77,29 @@ class _OnShown:
 
     rows: np.ndarray  # (m,)
     corners: np.ndarray  # (m, 3) base vertices
-    weights: np.ndarray  # (m, 3, 1) of these
-    shares: np.ndarray  # (m, 3, 1): how much of the patches' motions each takes by way of these
+    weights: np.ndarray  # (m, 3, 1) weights of these vertices
+    shares: np.ndarray  # (m, 3, 1): weight of the patches' motions, for each of these vertices
     share: np.ndarray  # (m,): the sum of them
     patch: np.ndarray  # (m, 3)
-    from_base: np.ndarray | None  # (m, 3) at rest, in the frames of the triangles: of an artist's own fine mesh
+    from_base: np.ndarray | None  # (m, 3) of an artist's own fine mesh: offsets at rest, in the frames of the triangles
 
 
 class PaintedRigid:
-    """What is painted on one base, for all frames."""
+    """The paint Rigid of one base, for all frames."""
 
     def __init__(self, rigid: np.ndarray, base: BaseMesh) -> None:
-        """rigid: (n,) paint of the base's vertices; what is no number is 0."""
+        """rigid: (n,) paint of the base's vertices; NaN counts as 0."""
         self.base = base
         self.rigid = np.clip(np.nan_to_num(rigid, nan=0.0), 0.0, 1.0).astype(np.float32)
         self.patch = patches_of(self.rigid, base)
         core = np.flatnonzero(self.rigid >= CORE)
         self._core = [rows if len(rows) else np.flatnonzero(self.patch == number) for number in range(self.count)
                       for rows in (core[self.patch[core] == number],)]
-        self._on: dict[kernels.ShownMesh, _OnShown] = {}  # by native mesh that is shown
+        self._on: dict[kernels.ShownMesh, _OnShown] = {}  # by native output mesh
 
     @property
     def count(self) -> int:
-        """Of the patches."""
+        """Number of patches."""
         return int(self.patch.max(initial=-1)) + 1
 
     def left(self) -> np.ndarray:
@@ -108,8 +108,9 @@ class PaintedRigid:
 
     def add_to(self, result: FrameResult, mesh: ShownMesh, animated: np.ndarray, over: np.ndarray,
                heights: tuple[str, ...]) -> None:
-        """mesh: of the result, without its rigid parts. animated: (n, 3) of the base, object space; over: the same on
-        the base cloth, or of what stands for a dense base. heights: attributes that say how high folds are."""
+        """Apply it to a result. mesh: of the result, without its rigid parts. animated: (n, 3) of the base, object
+        space. over: the same on the base cloth, or the mesh that represents a dense base. heights: names of the
+        attributes that contain the height of folds."""
         on = self._on_shown(mesh)
         corner = animated[on.corners]
         points = (on.weights * corner).sum(1)
@@ -134,13 +135,13 @@ class PaintedRigid:
 
     def _motions(self, animated: np.ndarray, over: np.ndarray, result: FrameResult,
                  on: _OnShown) -> np.ndarray | None:
-        """(patches, 4, 3) rigid motions from the animated mesh to the base cloth; None where there is none."""
+        """(patches, 4, 3) rigid motions from the animated mesh to the base cloth; None without a base cloth."""
         if over is animated:
             return None
         if len(over) == len(animated):
             groups = self._core
             before, after = animated, over
-        else:  # it is solved on a coarse mesh: what is shown says where the cloth is
+        else:  # it was solved on a coarser mesh, so the positions of the cloth come from the result
             found = on.patch.max(1)
             groups = [on.rows[(found == number) & (on.share >= CORE)] for number in range(self.count)]
             before, after = result.positions - result.offset, result.positions
@@ -161,7 +162,7 @@ class PaintedRigid:
         rows = np.flatnonzero(shares.max(1, initial=0.0) > 0.0)
         corners, weights, shares = shown.triangle_vertex[rows], weights[rows, :, None], shares[rows, :, None]
         from_base = None
-        if mesh.source is not mesh.base:  # an artist's own mesh keeps what it has over the coarse one
+        if mesh.source is not mesh.base:  # an artist's own fine mesh keeps its offsets from the coarse mesh
             rest = self.base.positions
             points = (weights * rest[corners]).sum(1)
             from_base = rowwise(frames_of(rest, corners), shown.positions_rest[rows] - points)

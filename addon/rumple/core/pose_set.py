@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A garment in many poses, as arrays for machine learning: a folder of blocks and a manifest. No bpy here.
+"""Writes data sets for machine learning: a garment in many poses, as blocks of arrays and a manifest. No bpy here.
 
     manifest.json       names, counts, units, what it was made from; written first, the same by every worker
-    mesh.npz            what does not vary: rest positions, faces, bones at rest
+    mesh.npz            the constant data: rest positions, faces, bones at rest
     block-00000.npz     256 poses each, the last one fewer; each appears by one rename
 
-Numbers are drawn from the seed and the number of the pose alone, by SHAKE-128: the same on any machine, in any order,
-by any number of workers.
+Random numbers depend only on the seed and the number of the pose (SHAKE-128). So they are the same on any machine, in
+any order and with any number of workers.
 """
 from __future__ import annotations
 
@@ -29,15 +29,15 @@ MANIFEST = "manifest.json"
 
 
 def shares(seed: int, pose: int, count: int) -> np.ndarray:
-    """Numbers in [0, 1) of a pose, (count,) float64."""
+    """Random numbers of a pose in [0, 1), (count,) float64."""
     stream = hashlib.shake_128(f"rumple poses {seed} {pose}".encode()).digest(8 * count)
     return (np.frombuffer(stream, "<u8") >> np.uint64(11)) * 2.0**-53
 
 
 @dataclass
 class BoneRange:
-    """Angles of one bone, radians: Euler XYZ of its own space, over its rest pose. least, most: by axis. source: by
-    axis: constraint, ik, clip, or none where it stays."""
+    """The range of angles of one bone, radians: Euler XYZ in its own space, relative to its rest pose. least, most: for
+    each axis. source: for each axis where the range comes from: constraint, ik, clip, or none (it does not move)."""
 
     armature: str
     bone: str
@@ -46,27 +46,27 @@ class BoneRange:
     source: list[str]
 
     def angles(self, drawn: np.ndarray) -> list[float]:
-        """drawn: (3,) in [0, 1)."""
+        """The angles for random numbers. drawn: (3,) in [0, 1)."""
         return [low + share * (high - low) for low, high, share in zip(self.least, self.most, drawn.tolist())]
 
 
 def widened(least: float, most: float, factor: float) -> tuple[float, float]:
-    """A range about its middle; at most half a turn to each side."""
+    """A range scaled about its middle, to at most half a turn to each side."""
     middle, half = (least + most) / 2.0, min(factor * (most - least) / 2.0, np.pi)
     return middle - half, middle + half
 
 
 @dataclass
 class PoseSet:
-    """The manifest. coarse, fine: vertices of each."""
+    """The manifest. coarse, fine: numbers of vertices."""
 
     object: str
-    source: str  # digest of the blend file and all that it reads
+    source: str  # digest of the blend file and all files that it reads
     made_by: str
     seed: int
     count: int
     kind: str  # random or clip
-    frames: list[int]  # first and last of the clip; random poses stand at the first
+    frames: list[int]  # first and last frame of the clip; random poses are at the first one
     coarse: int
     fine: int
     metres_a_unit: float
@@ -96,13 +96,13 @@ class PoseSet:
 
     @property
     def bytes(self) -> int:
-        """About what all of it takes."""
+        """The approximate size of all files."""
         return self.count * (12 * (self.coarse + self.fine) + 64 * len(self.ranges) + 16)
 
 
 # ---------------------------------------------------------------- the folder
 def begin(folder: Path, wanted: PoseSet, mesh: dict[str, np.ndarray], resume: bool) -> None:
-    """The manifest and the mesh, unless they are there. Raises ClipFault."""
+    """Write the manifest and the mesh, unless they exist. Raises ClipFault."""
     clip_folder.make(folder, 0)
     path, text = folder / MANIFEST, wanted.text()
     try:
@@ -123,7 +123,7 @@ def begin(folder: Path, wanted: PoseSet, mesh: dict[str, np.ndarray], resume: bo
 
 
 def _first_difference(found: str, wanted: str) -> str:
-    """In words."""
+    """The first difference of two manifests, as text."""
     try:
         there, here = json.loads(found), json.loads(wanted)
         return next(f"{key} {str(there.get(key))[:40]}, not {str(value)[:40]}" for key, value in here.items()
@@ -133,7 +133,7 @@ def _first_difference(found: str, wanted: str) -> str:
 
 
 def write_arrays(path: Path, arrays: dict[str, np.ndarray]) -> None:
-    """By one rename. The same arrays have the same bytes. Raises ClipFault."""
+    """Write a file of arrays, by one rename. The same arrays give the same bytes. Raises ClipFault."""
     try:
         with clip_folder.written(path) as new, open(new, "wb") as file:
             np.savez(file, **arrays)
@@ -144,7 +144,7 @@ def write_arrays(path: Path, arrays: dict[str, np.ndarray]) -> None:
 
 
 def read_block(folder: Path, wanted: PoseSet, block: int) -> dict[str, np.ndarray] | None:
-    """None where it is not there, or not whole: its checksums do not hold."""
+    """The arrays of a block; None if it is missing or damaged."""
     path, poses = folder / wanted.block_name(block), wanted.poses_of(block)
     try:
         with zipfile.ZipFile(path) as opened:
@@ -152,14 +152,14 @@ def read_block(folder: Path, wanted: PoseSet, block: int) -> dict[str, np.ndarra
                 return None
         with np.load(path, allow_pickle=False) as file:
             arrays = {name: file[name] for name in file.files}
-    except Exception:  # zipfile, zlib and NumPy have a dozen of their own for damaged files
+    except Exception:  # zipfile, zlib and NumPy raise many different exceptions for damaged files
         return None
     shapes = {name: array.shape for name, array in arrays.items()}
     return arrays if shapes == {name: array.shape for name, array in empty_block(wanted, len(poses)).items()} else None
 
 
 def empty_block(wanted: PoseSet, count: int) -> dict[str, Any]:
-    """Arrays to fill."""
+    """The arrays of a block, filled with zeros."""
     return dict(number=np.zeros(count, np.int32), frame=np.zeros(count, np.float64),
                 pose=np.zeros((count, len(wanted.ranges), 4, 4), np.float32),
                 coarse=np.zeros((count, wanted.coarse, 3), np.float32),
