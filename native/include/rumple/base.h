@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What every part of the library needs: what is exported, statuses, errors, versions. See rumple.h.
+// The basics of the library: export macro, status codes, error messages, versions, stopping. See rumple.h.
 #ifndef RUMPLE_BASE_H
 #define RUMPLE_BASE_H
 
@@ -15,7 +15,7 @@
 #define RUMPLE_API __attribute__((visibility("default")))
 #endif
 
-// The version of this header. rumple_version() has that of the library.
+// The version of this header. rumple_version() returns the version of the library.
 #define RUMPLE_VERSION "0.1.0"
 
 #ifdef __cplusplus
@@ -24,36 +24,38 @@ extern "C" {
 
 typedef enum rumple_status {
     RUMPLE_OK = 0,
-    RUMPLE_INVALID = 1,  // an argument breaks its promise; rumple_error() names it and its first bad element
-    RUMPLE_NO_MEMORY = 2,  // there is not enough memory for it
-    RUMPLE_INTERNAL = 3,   // a fault of the library itself
-    RUMPLE_STOPPED = 4     // rumple_stop_ask() was called for it
+    RUMPLE_INVALID = 1,    // an argument is not valid; rumple_error() names it and its first bad element
+    RUMPLE_NO_MEMORY = 2,  // there is not enough memory
+    RUMPLE_INTERNAL = 3,   // an error of the library itself
+    RUMPLE_STOPPED = 4     // the call was stopped by rumple_stop_ask()
 } rumple_status;
 
-// The version of the library, "major.minor.patch". Headers and libraries fit when these are the same.
+// The version of the library, "major.minor.patch". A header and a library only work together if their
+// versions are the same.
 RUMPLE_API const char* rumple_version(void);
 
-// The bytes of a struct of this header as the library was compiled, by name ("rumple_pose"); 0: there is none
-// of that name. Who loads the library at run time compares them all before the first other call.
+// The size in bytes of a struct of these headers in the compiled library. name: for example "rumple_pose". 0:
+// there is no such struct. A program that loads the library at run time should compare the sizes of all
+// structs before any other call.
 RUMPLE_API size_t rumple_struct_size(const char* name);
 
-// What was wrong in the last call of this thread that did not return RUMPLE_OK: UTF-8, never NULL, valid
-// until the next call of this thread that fails. Example: "positions: vertex 12 is not finite".
+// The error message of the last failed call of this thread: UTF-8, never NULL, valid until the next failed
+// call of this thread. Example: "positions: vertex 12 is not finite".
 RUMPLE_API const char* rumple_error(void);
 
-// By which one thread ends what another one makes. Functions of models, which take seconds where meshes are
-// large, look at it between their steps: of a million vertices most take less than 0.3 s, the longest 4. The
-// others end by themselves before.
+// Lets one thread stop a call of another thread. Functions that build models can take seconds for large
+// meshes. They check it between their steps. For a million vertices most steps take less than 0.3 s, the
+// longest 4 s. All other functions are so short that they do not check it.
 typedef struct rumple_stop rumple_stop;
 
 RUMPLE_API rumple_status rumple_stop_build(rumple_stop** stop);
 RUMPLE_API void rumple_stop_free(rumple_stop* stop);
 
-// The calls of this thread end with RUMPLE_STOPPED when that one is asked to stop. It must live until the
-// thread watches another one, or none (NULL).
+// From now on, calls of this thread end with RUMPLE_STOPPED after rumple_stop_ask(stop). `stop` must not be
+// freed until the thread watches another one, or none (NULL).
 RUMPLE_API void rumple_stop_watch(const rumple_stop* stop);
 
-// From any thread. It cannot be taken back.
+// Asks the watching threads to stop. It may be called from any thread, and cannot be undone.
 RUMPLE_API void rumple_stop_ask(rumple_stop* stop);
 
 #ifdef __cplusplus

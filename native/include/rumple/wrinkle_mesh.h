@@ -12,18 +12,18 @@ extern "C" {
 
 // ---- the model, section 3
 
-// A fine mesh of v solved vertices, attached to a base at rest.
+// A fine mesh with v solved vertices, attached to a base at rest.
 typedef struct rumple_wrinkle_mesh rumple_wrinkle_mesh;
 
 typedef struct rumple_wrinkle_mesh_plan {
     rumple_fine_plan fine;
     const rumple_surface* own;  // RUMPLE_FINE_OBJECT: a mesh at rest, in the base's space; else NULL
-    const uint8_t* attached;    // (vertices of own): 0 where it is not attached; or none: all are
+    const uint8_t* attached;    // (vertices of own): 0: not attached; or none: all are attached
     size_t attached_count;
-    float farthest;          // an own mesh farther than this from the base is refused, object units; 0: any
-    int32_t display_steps;   // further subdivisions, of the shown mesh, that are not solved, >= 0
-    int32_t viewport_steps;  // ... of the mesh that viewports show, >= 0; at most as many count
-    bool adaptive;           // for settings whose reference is not RUMPLE_REFERENCE_STATIC_REST
+    float farthest;          // `own` is refused if farther than this from the base, object units; 0: never
+    int32_t display_steps;   // further subdivisions of the shown mesh, which are not solved, >= 0
+    int32_t viewport_steps;  // ... of the mesh for viewports, >= 0; limited to display_steps
+    bool adaptive;           // needed for settings whose reference is not RUMPLE_REFERENCE_STATIC_REST
 } rumple_wrinkle_mesh_plan;
 RUMPLE_API rumple_wrinkle_mesh_plan rumple_wrinkle_mesh_plan_default(void);
 
@@ -33,7 +33,7 @@ RUMPLE_API rumple_status rumple_wrinkle_mesh_build(const rumple_surface* base,
                                                    const rumple_wrinkle_mesh_plan* plan,
                                                    rumple_wrinkle_mesh** model);
 RUMPLE_API void rumple_wrinkle_mesh_free(rumple_wrinkle_mesh* model);
-// Borrowed; NULL for NULL. in_viewport: the one of viewports, where that has fewer steps; else the same.
+// Borrowed; NULL for NULL. in_viewport: the mesh for viewports if it has fewer steps, else the same mesh.
 RUMPLE_API const rumple_shown_mesh* rumple_wrinkle_mesh_shown(const rumple_wrinkle_mesh* model,
                                                               bool in_viewport);
 
@@ -51,48 +51,48 @@ RUMPLE_API rumple_status rumple_wrinkle_mesh_get_view(const rumple_wrinkle_mesh*
 
 typedef enum rumple_collision {
     RUMPLE_COLLISION_NONE = 0,
-    RUMPLE_COLLISION_PLANE = 1,         // no vertex deeper than `inside` below its attachment
+    RUMPLE_COLLISION_PLANE = 1,         // no vertex is deeper than `inside` below its attachment
     RUMPLE_COLLISION_NEIGHBOURHOOD = 2  // ... below the triangles around it
 } rumple_collision;
 
 typedef enum rumple_offset_space {
-    RUMPLE_OFFSETS_TRIANGLE = 0,  // offsets ride in the frame of the deformed triangle
+    RUMPLE_OFFSETS_TRIANGLE = 0,  // offsets move with the frame of the deformed triangle
     RUMPLE_OFFSETS_WORLD = 1      // ... or keep their direction in the world
 } rumple_offset_space;
 
 // Lengths are relative to the fine mesh.
 typedef struct rumple_wrinkle_mesh_settings {
-    float radius;                  // r: attachment radius, in mean lengths of the edges around a vertex, >= 0
-    float prestretch;              // s: rest length over measured length, > 0
+    float radius;                  // r: attachment radius / mean length of the edges around a vertex, >= 0
+    float prestretch;              // s: rest length / measured length, > 0
     float bending;                 // k_bending, 0..1
     int32_t collision;             // rumple_collision
     float inside;                  // depth of the collision plane below the surface, in radii, 0..1
-    float stretch_relief;          // share of the base's excess length that is given in to, 0..1
-    float buckling_threshold;      // compression of the base that bears no folds, share of the length, 0..1
-    float compression_limit;       // rest length at most this times the base's length, >= 1
-    float free_compression_limit;  // the same where cloth hangs free, as painted in `worn`, >= 1
+    float stretch_relief;          // share of the base's stretch that the rest lengths adopt, 0..1
+    float buckling_threshold;      // compression of the base that causes no folds, share of the length, 0..1
+    float compression_limit;       // largest rest length / length on the base, >= 1
+    float free_compression_limit;  // the same where cloth hangs free (painted as `worn`), >= 1
     int32_t hem_rings;             // rings over which r fades to 0 at open borders, >= 0
     int32_t iterations;            // passes from a given state, >= 0
     int32_t start_iterations;      // passes from the canonical start, >= 0
     float damping;                 // share of the former offset that is kept, 0..1
     int32_t offset_space;          // rumple_offset_space
-    float tangential_pull;         // share of its way along the surface that a pass pulls a vertex back, 0..1
-    float normal_pull;             // the same off the surface, 0..1
-    float slack;                   // of layers: length over rest length at which the base pulls taut, > 0
-    float taut_range;  // of layers: over which, below that, s goes from slack to prestretch, >= 0; 0: nowhere
-    float hang[3];     // of layers: object space, length 0..1: along it its own weight pulls the cloth taut
-    float bend_radius;  // of layers, that of the first counts: object units, >= 0: no folds along lines that
-                        // bend on less; 0: along any
-    float apart;        // of layers: share of the distance to its own cloth that a vertex may go, 0..0.5
-    float slide;        // of layers: share of the heights of its triangles that it may go along them, 0..0.5
+    float tangential_pull;         // share of a vertex's offset along the surface that a pass removes, 0..1
+    float normal_pull;             // the same for the offset along the normal, 0..1
+    float slack;                   // layers only: length / rest length at which the base is taut, > 0
+    float taut_range;   // layers only: range below slack where s falls to prestretch, >= 0; 0: none
+    float hang[3];      // layers only: direction in which weight pulls cloth taut; object space, length 0..1
+    float bend_radius;  // layers only, read from the first one: object units, >= 0: lines with a smaller
+                        // radius of curvature get no folds; 0: all lines may
+    float apart;        // layers only: share of the distance to other cloth that a vertex may move, 0..0.5
+    float slide;        // layers only: share of its triangles' heights that it may move along them, 0..0.5
     float nudge;        // size of the random push of unbuckled vertices, in fine edges, >= 0
-    uint32_t seed;      // of that push
+    uint32_t seed;      // seed of this push
     int32_t threads;    // 0: chosen by size; never changes the result
-    rumple_reference_settings rest;  // what compression is measured against
+    rumple_reference_settings rest;  // the shape that compression is measured against
 } rumple_wrinkle_mesh_settings;
 RUMPLE_API rumple_wrinkle_mesh_settings rumple_wrinkle_mesh_settings_default(void);
 
-// Painted factors of the base's vertices, 0..1; each (n), or none: 1 everywhere.
+// Painted factors of the base's vertices, 0..1; each (n), or none, which means 1 everywhere.
 typedef struct rumple_wrinkle_mesh_painted {
     const float* radius;  // r x value
     size_t radius_count;
@@ -102,10 +102,10 @@ typedef struct rumple_wrinkle_mesh_painted {
     size_t bending_count;
     const float* inside;  // inside x value
     size_t inside_count;
-    const float* worn;  // 1: compression_limit holds, 0: free_compression_limit, for the cloth hangs free
+    const float* worn;  // 1: compression_limit applies; 0: hangs free, free_compression_limit applies
     size_t worn_count;
-    const float* along;  // (n, 3): where folds are to run, as a direction at rest, either sign; its length,
-    size_t along_count;  // 0..1, says how much; or none
+    const float* along;  // (n, 3): direction of the folds at rest, v and -v mean the same; its length,
+    size_t along_count;  // 0..1, is the strength; or none
 } rumple_wrinkle_mesh_painted;
 typedef struct rumple_wrinkle_mesh_paint rumple_wrinkle_mesh_paint;
 RUMPLE_API rumple_status rumple_wrinkle_mesh_paint_build(const rumple_wrinkle_mesh* model,
@@ -115,27 +115,27 @@ RUMPLE_API void rumple_wrinkle_mesh_paint_free(rumple_wrinkle_mesh_paint* paint)
 
 // ---- frames, section 4
 
-// What the positions of one frame make of a model: the deformed base and the attachments. Made once a frame
-// and handed to what is asked of the frame. It keeps its model and a copy of the arrays of `frame`. Refused:
-// other positions than the model has, or such that are not finite; what only a rest shape that adapts reads
-// is checked when it is solved. Cost: O(vertices).
+// The pose of a model in one frame: the deformed base and the attachments. Build it once per frame, and pass
+// it to all functions for this frame. It keeps its model and a copy of the arrays of `frame`. Refused:
+// positions that are not n or not finite. Fields that only an adaptive rest shape reads are checked in the
+// solve. Cost: O(vertices).
 typedef struct rumple_wrinkle_mesh_pose rumple_wrinkle_mesh_pose;
 RUMPLE_API rumple_status rumple_wrinkle_mesh_pose_build(const rumple_wrinkle_mesh* model,
                                                         const rumple_pose* frame,
                                                         rumple_wrinkle_mesh_pose** pose);
 RUMPLE_API void rumple_wrinkle_mesh_pose_free(rumple_wrinkle_mesh_pose* pose);
 
-// What is kept from frame to frame.
+// The solver's state, which is kept from frame to frame.
 typedef struct rumple_wrinkle_mesh_state rumple_wrinkle_mesh_state;
 RUMPLE_API void rumple_wrinkle_mesh_state_free(rumple_wrinkle_mesh_state* state);
 
-// A state as plain arrays: what a handle holds, and what one can be made of again, to the bit.
+// A state as plain arrays. A state built from them again continues with the same bits.
 typedef struct rumple_wrinkle_mesh_state_view {
     const float* offset;  // (v, 3): o_i, in the frame of the base triangle, or in the world
     size_t offset_count;
-    const float* solved_length;  // (pairs): at the attachments when it was last solved, over its rest scale
+    const float* solved_length;  // (pairs): length at the attachments in the last solve / rest scale
     size_t solved_length_count;
-    rumple_reference_view reference;  // of a rest shape that adapts
+    rumple_reference_view reference;  // of an adaptive rest shape
     size_t bytes;                     // memory of the state; not read by rumple_wrinkle_mesh_state_build()
 } rumple_wrinkle_mesh_state_view;
 RUMPLE_API rumple_status rumple_wrinkle_mesh_state_get_view(const rumple_wrinkle_mesh_state* state,
@@ -143,22 +143,22 @@ RUMPLE_API rumple_status rumple_wrinkle_mesh_state_get_view(const rumple_wrinkle
 RUMPLE_API rumple_status rumple_wrinkle_mesh_state_build(const rumple_wrinkle_mesh* model,
                                                          const rumple_wrinkle_mesh_state_view* arrays,
                                                          rumple_wrinkle_mesh_state** state);
-// The same offsets with no vertex held: for a solve with other settings.
+// The same offsets, but no vertex is asleep. Use it before a solve with other settings.
 RUMPLE_API rumple_status rumple_wrinkle_mesh_state_activated(const rumple_wrinkle_mesh_state* state,
                                                              rumple_wrinkle_mesh_state** activated);
 
 typedef struct rumple_wrinkle_mesh_report {
-    int32_t iterations;           // 0: the pose was held, nothing was solved
+    int32_t iterations;           // 0: all vertices were asleep, nothing was solved
     float error_before;           // RMS relative length error of the distance constraints at the attachments
-    float error_after;            // ... of the solved mesh
-    float largest_error;          // largest relative length error after
-    float active;                 // share of the vertices that were solved, 0..1; the rest was held
+    float error_after;            // ... and of the solved mesh
+    float largest_error;          // largest relative length error of the solved mesh
+    float active;                 // share of the vertices that were solved, 0..1; the others were asleep
     int32_t collapsed_triangles;  // triangles of the base without area in this pose
-    int32_t kept_apart;           // vertices that their own cloth or a body in front kept from going on
+    int32_t kept_apart;           // vertices that other cloth or a body in front stopped
 } rumple_wrinkle_mesh_report;
 
-// One frame. paint: or NULL. before: of the frame before, or NULL: the canonical start. report: written, or
-// NULL. Deterministic on any number of threads. Cost: O(iterations x pairs).
+// Solves one frame. before: state of the frame before; NULL: the canonical start. report: written. paint and
+// report may be NULL. Deterministic on any number of threads. Cost: O(iterations x pairs).
 RUMPLE_API rumple_status rumple_wrinkle_mesh_solve(const rumple_wrinkle_mesh* model,
                                                    const rumple_wrinkle_mesh_settings* settings,
                                                    const rumple_wrinkle_mesh_paint* paint,
@@ -166,7 +166,7 @@ RUMPLE_API rumple_status rumple_wrinkle_mesh_solve(const rumple_wrinkle_mesh* mo
                                                    const rumple_wrinkle_mesh_state* before,
                                                    rumple_wrinkle_mesh_report* report,
                                                    rumple_wrinkle_mesh_state** state);
-// The same with the sweeps one constraint after the other, as printed. For tests.
+// The same, but constraints are solved one after the other, as in the paper. For tests.
 RUMPLE_API rumple_status rumple_wrinkle_mesh_solve_in_order(const rumple_wrinkle_mesh* model,
                                                             const rumple_wrinkle_mesh_settings* settings,
                                                             const rumple_wrinkle_mesh_paint* paint,
@@ -175,25 +175,26 @@ RUMPLE_API rumple_status rumple_wrinkle_mesh_solve_in_order(const rumple_wrinkle
                                                             rumple_wrinkle_mesh_report* report,
                                                             rumple_wrinkle_mesh_state** state);
 
-// The shown mesh of a solved frame. in_viewport: as rumple_wrinkle_mesh_shown() has it.
+// The shown mesh of a solved frame. in_viewport: see rumple_wrinkle_mesh_shown().
 RUMPLE_API rumple_status rumple_wrinkle_mesh_show(const rumple_wrinkle_mesh* model,
                                                   const rumple_wrinkle_mesh_settings* settings,
                                                   const rumple_wrinkle_mesh_pose* pose,
                                                   const rumple_wrinkle_mesh_state* state, bool in_viewport,
                                                   rumple_frame** frame);
 
-// How good a frame is: for reports and tests, not for playback.
+// Measures of the quality of a frame, for reports and tests.
 typedef struct rumple_wrinkle_mesh_measures {
-    float edge_error_before_rms;  // |length - s l0| / (s l0), the fine mesh at its attachments
+    float edge_error_before_rms;  // |length - s l0| / (s l0) of the fine mesh at its attachments
     float edge_error_before_max;
-    float edge_error_after_rms;  // ... solved
+    float edge_error_after_rms;  // ... and solved
     float edge_error_after_max;
-    float compressed_area_before;  // area / rest area where base triangles are below 0.9 of their rest area
+    float compressed_area_before;  // area / rest area, where base triangles have less than 0.9 of their rest
+                                   // area
     float compressed_area_after;
-    float attachment_violation;  // largest (|o| - r) / r over attached vertices with r > 0, not below 0
+    float attachment_violation;  // largest (|o| - r) / r over attached vertices with r > 0, at least 0
     float largest_offset;        // object units
 } rumple_wrinkle_mesh_measures;
-// offsets: (v, 3), o_i in the triangle frame, written.
+// offsets: (v, 3), written: o_i in the triangle frame.
 RUMPLE_API rumple_status rumple_wrinkle_mesh_measure(const rumple_wrinkle_mesh* model,
                                                      const rumple_wrinkle_mesh_settings* settings,
                                                      const rumple_wrinkle_mesh_paint* paint,
@@ -202,9 +203,10 @@ RUMPLE_API rumple_status rumple_wrinkle_mesh_measure(const rumple_wrinkle_mesh* 
                                                      rumple_wrinkle_mesh_measures* measures, float* offsets,
                                                      size_t offsets_count);
 
-// Labels of a whole clip in one cut (Gillette 2015, section 4.1.2), of a model that was built adaptive.
-// times: (f), s, ascending. positions: (f n, 3), frame after frame. raw: every triangle's cheapest label for
-// itself. labels: (f t), written. Cost: about 1 ms and half a megabyte per frame and 1,000 triangles.
+// Labels a whole clip by one graph cut (Gillette 2015, section 4.1.2). The model must be built with
+// `adaptive`. times: (f), s, ascending. positions: (f n, 3), frame after frame. raw: true: every triangle
+// gets the label that is cheapest for itself, without a cut. labels: (f t), written. Cost: about 1 ms and
+// half a megabyte per frame and 1,000 triangles.
 RUMPLE_API rumple_status rumple_wrinkle_mesh_label_clip(const rumple_wrinkle_mesh* model,
                                                         const rumple_wrinkle_mesh_settings* settings,
                                                         const double* times, size_t times_count,

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What every part of the library needs: what is exported, statuses, errors, versions. See rumple.h.
+"""The basics of the library: export macro, status codes, error messages, versions, stopping. See rumple.h.
 
 Written by scripts/declarations.py from native/include/rumple/base.h: change that.
 """

@@ -34,30 +34,30 @@ class BaseClothSettings(Struct):
     """struct rumple_base_cloth_settings"""
 
     __slots__ = ()
-    stretch: float  # of what is longer than at rest, > 0
+    stretch: float  # stiffness of edges that are longer than at rest, > 0
     strain_limit: float  # strain beyond which stretch is ten times as stiff, >= 0
-    shear: float  # of the diagonals of quads that are longer than at rest, >= 0
-    compression: float  # k1: of what is shorter than at rest, >= 0
-    compression_limit: float  # c_l: length over rest length below which k2 counts, 0..1
-    folded: float  # k2: of what is shorter than c_l, >= 0
-    smoothing: float  # against sides that turn away from their animated direction, >= 0
-    tube_radius: float  # around a tube of radius R these three count by (tube_radius / R)^4; > 0
-    flat_share: float  # the least share, along tubes and of flat cloth, 0..1
-    slack: float  # length of the cloth over that of the modelled garment, > 0
-    hang: Array  # object space, length 0..1: along it there is no slack
-    follow: float  # pull back to the animation where nothing is pinned, 1/s^2, > 0
-    room: float  # farthest that a vertex leaves its animated place, object units, >= 0
-    slide_room: float  # the same along the surface, where that is more than room; object units, >= 0
-    friction: float  # coefficient of Coulomb's law, on what is worn under the cloth, >= 0
+    shear: float  # stiffness of quad diagonals that are longer than at rest, >= 0
+    compression: float  # k1: stiffness of edges shorter than at rest, >= 0
+    compression_limit: float  # c_l: length / rest length below which k2 applies, 0..1
+    folded: float  # k2: stiffness of edges shorter than c_l, >= 0
+    smoothing: float  # resistance of edges against turning from their animated direction, >= 0
+    tube_radius: float  # around a tube of radius R these three are scaled by (tube_radius / R)^4; > 0
+    flat_share: float  # the least such scale, for directions along tubes and flat cloth, 0..1
+    slack: float  # length of the cloth / length of the modelled garment, > 0
+    hang: Array  # object space, length 0..1: in this direction there is no slack
+    follow: float  # pull towards the animation where nothing is pinned, 1/s^2, > 0
+    room: float  # largest distance of a vertex from its animated place, object units, >= 0
+    slide_room: float  # the same along the surface, if larger than room; object units, >= 0
+    friction: float  # coefficient of Coulomb friction on the bodies under the cloth, >= 0
     gravity: Array  # object space, object units / s^2, finite
     thickness: float  # how far cloth stays off bodies, object units, >= 0
-    unknown: float  # how far cloth may go inwards where no body is found, object units, >= 0
-    reach: float  # bodies farther away do not count, object units, > 0
-    depth: float  # what is deeper inside a body stays there, object units, > 0
-    spread: float  # length over which what is known of bodies fades, object units, > 0
-    steps: int  # most Newton steps from a given state, >= 0
+    unknown: float  # how far cloth may move inwards where no body is found, object units, >= 0
+    reach: float  # bodies farther away are ignored, object units, > 0
+    depth: float  # cloth deeper inside a body is not pushed out, object units, > 0
+    spread: float  # length over which clearance fades from bodies to `unknown`, object units, > 0
+    steps: int  # largest number of Newton steps from a given state, >= 0
     start_steps: int  # Newton steps from the animation, >= 0
-    most_cg_iterations: int  # of conjugate gradients (CG), in a Newton step, >= 0
+    most_cg_iterations: int  # of conjugate gradients (CG) in a Newton step, >= 0
     _fields_ = (("stretch", c_float), ("strain_limit", c_float), ("shear", c_float), ("compression", c_float),
         ("compression_limit", c_float), ("folded", c_float), ("smoothing", c_float), ("tube_radius", c_float),
         ("flat_share", c_float), ("slack", c_float), ("hang", c_float * 3), ("follow", c_float), ("room", c_float),
@@ -70,20 +70,20 @@ class BaseClothSwing(Struct):
     """struct rumple_base_cloth_swing"""
 
     __slots__ = ()
-    seconds: float  # since the frame before, >= 0
-    longest_step: float  # of time, s, > 0: the same at all frame rates gives the same motion
-    newton_steps: int  # of every time step, >= 1
-    damping: float  # of the velocity beside the animated one, 1/s, >= 0
-    locomotion: float  # share of the garment's motion as a whole that the inertia feels, 0..1
+    seconds: float  # time since the frame before, >= 0
+    longest_step: float  # longest time step, s, > 0: the same value gives the same motion at any frame rate
+    newton_steps: int  # for every time step, >= 1
+    damping: float  # damping of the velocity relative to the animated one, 1/s, >= 0
+    locomotion: float  # share of the garment's overall motion that causes inertia, 0..1
     drag: float  # density of the air x coefficient / (2 mass per area), 1/object unit, >= 0
-    wind: Array  # of the air, object space, object units / s
-    matrix: Array  # (3, 3): from the object space of the frame before to that of this one ...
-    shift: Array  # ... and the shift after it, object units
-    air: int | None  # (n, 3): velocity of the air beside `wind`, object units / s
+    wind: Array  # velocity of the air, object space, object units / s
+    matrix: Array  # (3, 3): from the object space of the frame before to this one's ...
+    shift: Array  # ... and the translation after it, object units
+    air: int | None  # (n, 3): velocity of the air in addition to `wind`, object units / s
     air_count: int
-    push: int | None  # (n, 3): acceleration beside gravity, object units / s^2
+    push: int | None  # (n, 3): acceleration in addition to gravity, object units / s^2
     push_count: int
-    resist: int | None  # (n, 2): what is taken from the velocity, 1/s, and what times its length, 1/object
+    resist: int | None  # (n, 2): linear drag on the velocity, 1/s, and quadratic drag, 1/object
     resist_count: int  # unit; >= 0
     _fields_ = (("seconds", c_float), ("longest_step", c_float), ("newton_steps", c_int32), ("damping", c_float),
         ("locomotion", c_float), ("drag", c_float), ("wind", c_float * 3), ("matrix", c_float * 9),
@@ -95,9 +95,9 @@ class BaseClothPainted(Struct):
     """struct rumple_base_cloth_painted"""
 
     __slots__ = ()
-    follow: int | None  # 0..1; 1: pinned to the animation; none: 0 everywhere
+    follow: int | None  # 0..1; 1: pinned to the animation; none: 0 for all
     follow_count: int
-    room: int | None  # 0..1000: on `room`, and, at most 1, on `slide_room`; none: 1 everywhere
+    room: int | None  # 0..1000: factor on `room`, and, limited to 1, on `slide_room`; none: 1 for all
     room_count: int
     _fields_ = (("follow", c_void_p), ("follow_count", c_size_t), ("room", c_void_p), ("room_count", c_size_t),)
 
@@ -108,17 +108,17 @@ class BaseClothStateView(Struct):
     __slots__ = ()
     vertex_count: int  # n
     welded_vertex_count: int  # w
-    body_hint_count: int  # n, or 0 without bodies
-    velocity_count: int  # w, or 0 where it does not swing
-    offset_count: int  # w, or 0 where it swings
+    body_hint_count: int  # n; 0 without bodies
+    velocity_count: int  # w; 0 without inertia
+    offset_count: int  # w; 0 with inertia
     clearance_count: int
-    bytes: int  # memory of what lives on
+    bytes: int  # memory of the values for the next frame
     positions: int | None  # (n, 3): the cloth, object space
-    gap: int | None  # (n): its height above what is worn under it, object units, >= 0
+    gap: int | None  # (n): height above the body, object units, >= 0
     body_hint: int | None  # (body_hint_count): a triangle of the collider near each vertex, or -1
     velocity: int | None  # (velocity_count, 3), object units / s
     offset: int | None  # (offset_count, 3): in the tangent frame of the animated vertex
-    clearance: int | None  # (clearance_count): how far each may go inwards, object units
+    clearance: int | None  # (clearance_count): how far each may move inwards, object units
     _fields_ = (("vertex_count", c_int32), ("welded_vertex_count", c_int32), ("body_hint_count", c_int32),
         ("velocity_count", c_int32), ("offset_count", c_int32), ("clearance_count", c_int32), ("bytes", c_size_t),
         ("positions", c_void_p), ("gap", c_void_p), ("body_hint", c_void_p), ("velocity", c_void_p),
@@ -129,9 +129,9 @@ class BaseClothKept(Struct):
     """struct rumple_base_cloth_kept"""
 
     __slots__ = ()
-    offset: int | None  # (w, 3), or none where it swings
+    offset: int | None  # (w, 3), or none with inertia
     offset_count: int
-    length: int | None  # (springs), in the pose that was solved; so are the next two
+    length: int | None  # (springs): in the solved pose, as the next two
     length_count: int
     clearance: int | None  # (w)
     clearance_count: int
@@ -141,7 +141,7 @@ class BaseClothKept(Struct):
     body_hint_count: int
     contact_hint: int | None  # (w): a triangle of the cloth near each vertex, or -1
     contact_hint_count: int
-    position: int | None  # (w, 3), object units; where it swings, as are all that follow
+    position: int | None  # (w, 3), object units; this and all below only with inertia
     position_count: int
     velocity: int | None  # (w, 3), object units / s
     velocity_count: int
@@ -149,11 +149,11 @@ class BaseClothKept(Struct):
     animated_count: int
     animated_before: int | None  # (w, 3)
     animated_before_count: int
-    moved: float  # farthest way of a vertex in the last step, uncut, object units, >= 0
+    moved: float  # largest movement of a vertex in the last full step, object units, >= 0
     seconds: float  # between the two poses, >= 0
-    fastest: float  # speed in the frame, object units / s, >= 0
-    gravity: Array  # that acted, object space, object units / s^2
-    wind: Array  # that blew, object space, object units / s
+    fastest: float  # largest speed in the frame, object units / s, >= 0
+    gravity: Array  # in this frame, object space, object units / s^2
+    wind: Array  # in this frame, object space, object units / s
     air: int | None  # (w, 3), object units / s, or none
     air_count: int
     push: int | None  # (w, 3), object units / s^2, or none
@@ -173,9 +173,9 @@ class BaseClothReport(Struct):
     """struct rumple_base_cloth_report"""
 
     __slots__ = ()
-    steps: int  # 0: the pose was held
+    steps: int  # 0: the cloth was asleep, nothing was solved
     cg_iterations: int  # of all steps
-    moved: float  # farthest way of a vertex in the last step, uncut, object units
+    moved: float  # largest movement of a vertex in the last full step, object units
     offset_mean: float  # from the animation, object units
     offset_max: float
     taut: float  # share of the springs that are longer than at rest
@@ -190,7 +190,7 @@ class ClothCoverSettings(Struct):
 
     __slots__ = ()
     thickness: float  # how far the smooth surface stays off bodies, object units, >= 0
-    depth: float  # what is deeper inside a body stays there, object units, > 0
+    depth: float  # cloth deeper inside a body is not pushed out, object units, > 0
     _fields_ = (("thickness", c_float), ("depth", c_float),)
 
 

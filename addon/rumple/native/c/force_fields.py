@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Blender's force fields at points of the world, as its effect.c has them: for cloth that swings
-(rumple_base_cloth_swing). docs/base_cloth.md has the formulas.
+"""Blender's force fields, evaluated at points of the world as in its effect.c. They are input of
+rumple_base_cloth_swing, for cloth with inertia. docs/base_cloth.md has the formulas.
 
 Written by scripts/declarations.py from native/include/rumple/force_fields.h: change that.
 """
@@ -26,25 +26,25 @@ class ForceField(Struct):
     kind: int  # rumple_force_field_kind
     shape: int  # rumple_force_field_shape
     falloff: int  # rumple_force_field_falloff
-    side: int  # of the plane across the axis, where it acts: rumple_force_field_side
+    side: int  # rumple_force_field_side: of the plane across the axis; it acts on this side
     location: Array
-    axis: Array  # Z of the object, of any length; 0: no direction
-    strength: float  # wind: velocity; drag: of the square of the velocity; else: force
-    damping: float  # of harmonic, a ratio, and of drag, >= 0
-    size: float  # of the noise of turbulence; rest length of harmonic; >= 0
-    flow: float  # how much it takes from the velocity; not of wind, harmonic, drag
-    noise: float  # how much the strength varies from point to point and frame to frame, >= 0
-    seed: int  # of that
-    power: float  # of the falloff, 0..1000: (1 + distance - least)^-power
-    least: float  # distance up to which nothing is lost, >= 0
-    most: float  # beyond it nothing is left, where it ends, >= 0
-    ends: bool  # whether `most` counts
-    radial_power: float  # likewise; tube: with the distance from the axis, cone: with the angle to it,
+    axis: Array  # Z axis of the object, any length; 0: no direction
+    strength: float  # wind: velocity; drag: coefficient of quadratic drag; others: force
+    damping: float  # harmonic: damping ratio; drag: coefficient of linear drag; >= 0
+    size: float  # turbulence: size of the noise; harmonic: rest length; >= 0
+    flow: float  # damping of the velocity; not used by wind, harmonic, drag
+    noise: float  # random variation of the strength between points and frames, >= 0
+    seed: int  # seed of this noise
+    power: float  # of the falloff (1 + distance - least)^-power, 0..1000
+    least: float  # up to this distance there is no falloff, >= 0
+    most: float  # if `ends`: beyond this distance the field is 0, >= 0
+    ends: bool  # whether `most` is used
+    radial_power: float  # the same; tube: by distance from the axis, cone: by the angle to the axis,
     radial_least: float  # ... degrees; sphere: without effect
     radial_most: float
     radial_ends: bool
-    inverse_square: bool  # of force: divided by the distance squared
-    in_world: bool  # of turbulence: stays in the world when the location moves
+    inverse_square: bool  # force: strength is divided by the squared distance
+    in_world: bool  # turbulence: the noise does not move with the location
     _fields_ = (("kind", c_int32), ("shape", c_int32), ("falloff", c_int32), ("side", c_int32),
         ("location", c_float * 3), ("axis", c_float * 3), ("strength", c_float), ("damping", c_float),
         ("size", c_float), ("flow", c_float), ("noise", c_float), ("seed", c_int32), ("power", c_float),

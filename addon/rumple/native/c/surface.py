@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The coarse base mesh, the mesh that is shown in its place, a frame of it, and how a pose is given.
+"""Meshes: the coarse base mesh, the shown mesh that replaces it, a frame of the shown mesh, and the pose.
 
 Written by scripts/declarations.py from native/include/rumple/surface.h: change that.
 """
@@ -32,12 +32,12 @@ class SurfacePlan(Struct):
     polygon_start_count: int
     corner_vertex: int | None  # (corners), 0..n - 1
     corner_vertex_count: int
-    triangle_corner: int | None  # (t, 3): corners of one polygon each, which has two corners more
+    triangle_corner: int | None  # (t, 3): corners of the same polygon; c corners give c - 2 triangles
     triangle_corner_count: int
-    weld_seams: bool  # join border vertices that stand at one place
+    weld_seams: bool  # join border vertices at the same place
     crease_edge: int | None  # (k, 2): vertices, 0..n - 1; or none
     crease_edge_count: int
-    crease_sharpness: int | None  # (k): subdivisions that it stays sharp for, >= 0; from 10 on for ever
+    crease_sharpness: int | None  # (k): number of subdivisions an edge stays sharp, >= 0; >= 10: always
     crease_sharpness_count: int
     _fields_ = (("positions_rest", c_void_p), ("positions_rest_count", c_size_t), ("polygon_start", c_void_p),
         ("polygon_start_count", c_size_t), ("corner_vertex", c_void_p), ("corner_vertex_count", c_size_t),
@@ -64,9 +64,9 @@ class HealedView(Struct):
     vertex_source: int | None  # (n): vertex of the mesh
     corner_source: int | None  # (c): corner of the mesh
     polygon_source: int | None  # (p): polygon of the mesh
-    turned: int | None  # (turned_count): polygons of the mesh that are wound the other way
+    turned: int | None  # (turned_count): polygons of the mesh whose winding was reversed
     cut: int | None  # (cut_count, 2): edges of the mesh at which polygons were cut off
-    doubled: int | None  # (doubled_count, 2): a polygon that was left out, and the one it lies on
+    doubled: int | None  # (doubled_count, 2): a polygon that was left out, and the polygon below it
     repeated: int | None  # (repeated_count): polygons that use a vertex twice
     _fields_ = (("vertex_count", c_int32), ("polygon_count", c_int32), ("corner_count", c_int32),
         ("triangle_count", c_int32), ("turned_count", c_int32), ("cut_count", c_int32), ("doubled_count", c_int32),
@@ -94,7 +94,7 @@ class CoarseView(Struct):
     __slots__ = ()
     vertex_count: int  # m
     mean_edge: float  # mean length of its edges, object units
-    dense_vertex: int | None  # (m): of every vertex a vertex of the dense mesh
+    dense_vertex: int | None  # (m): for every vertex its vertex of the dense mesh
     _fields_ = (("vertex_count", c_int32), ("mean_edge", c_float), ("dense_vertex", c_void_p),)
 
 
@@ -106,8 +106,8 @@ class FinePlan(Struct):
     level: int  # >= 0
     segments: int  # >= 1
     longest_edge: float  # object units, > 0
-    most_vertices: int  # a fine mesh with more is refused
-    attachment: int  # rumple_attachment: what the fine vertices are tied to
+    most_vertices: int  # a fine mesh with more vertices is refused
+    attachment: int  # rumple_attachment: the surface that fine vertices are attached to
     _fields_ = (("source", c_int32), ("level", c_int32), ("segments", c_int32), ("longest_edge", c_float),
         ("most_vertices", c_int32), ("attachment", c_int32),)
 
@@ -123,11 +123,11 @@ class ShownMeshView(Struct):
     polygon_start: int | None  # (q + 1): the first corner of every polygon, then k
     corner_vertex: int | None  # (k)
     polygon_source: int | None  # (q): polygon of the source
-    edges: int | None  # (e, 2): vertices of the shown edges that lie on an edge of the source
-    edge_sources: int | None  # (e, 2): the vertices of that edge
+    edges: int | None  # (e, 2): the shown edges that lie on edges of the source
+    edge_sources: int | None  # (e, 2): these edges of the source
     positions_rest: int | None  # (d, 3), object space
-    triangle_vertex: int | None  # (d, 3): the base's vertices that every shown vertex is embedded in
-    barycentric: int | None  # (d, 2): weights of the second and third of them
+    triangle_vertex: int | None  # (d, 3): the base triangle that every shown vertex is embedded in
+    barycentric: int | None  # (d, 2): weights of its second and third vertex
     _fields_ = (("vertex_count", c_int32), ("polygon_count", c_int32), ("corner_count", c_int32),
         ("edge_count", c_int32), ("polygon_start", c_void_p), ("corner_vertex", c_void_p),
         ("polygon_source", c_void_p), ("edges", c_void_p), ("edge_sources", c_void_p), ("positions_rest", c_void_p),
@@ -140,12 +140,12 @@ class Pose(Struct):
     __slots__ = ()
     positions: int | None  # (n, 3): the deformed base, object space, finite
     positions_count: int
-    time: float  # s: the frame number over the frame rate; read where a rest shape adapts
+    time: float  # s: frame number / frame rate; read only with an adaptive rest shape
     labels: int | None  # (t), or none
     labels_count: int
-    next_positions: int | None  # (n, 3): the frame to come, to look ahead when labels are cut; or none
+    next_positions: int | None  # (n, 3): the next frame, which labelling looks ahead to; or none
     next_positions_count: int
-    next_time: float  # s, > time, where there is a next frame
+    next_time: float  # s, > time, if there is a next frame
     world_from_object: Array  # (3, 3); read by the Wrinkle Mesh with RUMPLE_OFFSETS_WORLD
     _fields_ = (("positions", c_void_p), ("positions_count", c_size_t), ("time", c_double), ("labels", c_void_p),
         ("labels_count", c_size_t), ("next_positions", c_void_p), ("next_positions_count", c_size_t),
@@ -158,11 +158,11 @@ class FrameView(Struct):
     __slots__ = ()
     vertex_count: int  # d
     positions: int | None  # (d, 3), object space
-    local_offset: int | None  # (d, 3): from the linear embedding, in the frame of the deformed triangle
+    local_offset: int | None  # (d, 3): from the linear embedding, in the deformed triangle's frame
     offset: int | None  # (d, 3): from the unwrinkled surface, object space
-    stretch_min: int | None  # (d): smaller principal stretch of the base, 1 at rest
+    stretch_min: int | None  # (d): the smaller principal stretch of the base, 1 at rest
     stretch_max: int | None  # (d): the larger one
-    stretch_direction: int | None  # (d, 3): of strongest compression, unit, object space
+    stretch_direction: int | None  # (d, 3): direction of strongest compression, unit, object space
     _fields_ = (("vertex_count", c_int32), ("positions", c_void_p), ("local_offset", c_void_p), ("offset", c_void_p),
         ("stretch_min", c_void_p), ("stretch_max", c_void_p), ("stretch_direction", c_void_p),)
 
@@ -172,10 +172,10 @@ class ReferenceSettings(Struct):
 
     __slots__ = ()
     reference: int  # rumple_reference
-    window: float  # labels compare with the pose so long ago, s, 0..10; 0: the previous frame
-    relaxation: float  # share per 1/30 s by which compressed reference triangles give in, 0..1
-    growth: float  # most length of a reference triangle over the rest pose's, >= 1
-    growth_time: float  # in which a reference triangle takes over a longer shape, s, 0..10
+    window: float  # labels compare with the pose this long ago, s, 0..10; 0: the previous frame
+    relaxation: float  # share per 1/30 s by which compressed reference triangles shrink, 0..1
+    growth: float  # largest length of a reference triangle / length in the rest pose, >= 1
+    growth_time: float  # time in which a reference triangle adopts a longer shape, s, 0..10
     _fields_ = (("reference", c_int32), ("window", c_float), ("relaxation", c_float), ("growth", c_float),
         ("growth_time", c_float),)
 
@@ -189,9 +189,9 @@ class ReferenceView(Struct):
     labels_count: int
     reference: int | None  # (t, 3): x1, x2, y2 of the edges (x1, 0) and (x2, y2) in the triangle's plane
     reference_count: int  # 0: the rest shape does not adapt
-    past_times: int | None  # of the poses that labels still need, oldest first, s
+    past_times: int | None  # times of the poses that labels still need, oldest first, s
     past_times_count: int
-    past_positions: int | None  # (poses w, 3), object space
+    past_positions: int | None  # (poses x w, 3), object space
     past_positions_count: int
     _fields_ = (("time", c_double), ("labels", c_void_p), ("labels_count", c_size_t), ("reference", c_void_p),
         ("reference_count", c_size_t), ("past_times", c_void_p), ("past_times_count", c_size_t),

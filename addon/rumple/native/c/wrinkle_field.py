@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Wrinkle Field: J. Loviscach, Wrinkling Coarse Meshes on the GPU, Eurographics 2006. A plane wave at every
-vertex of the coarse mesh: how high and in which direction follows from the deformation, its phase from
+"""Wrinkle Field: J. Loviscach, Wrinkling Coarse Meshes on the GPU, Eurographics 2006. Every vertex of the
+coarse mesh has a plane wave. Its height and direction follow from the deformation, its phase from a
 relaxation. docs/wrinkle_field.md has the mathematics. See also wrinkle_field_brush.h.
 
 Written by scripts/declarations.py from native/include/rumple/wrinkle_field.h: change that.
@@ -29,10 +29,10 @@ class WrinkleFieldPlan(Struct):
 
     __slots__ = ()
     output: int  # rumple_field_output
-    fine: FinePlan  # of RUMPLE_FIELD_GEOMETRY
+    fine: FinePlan  # for RUMPLE_FIELD_GEOMETRY
     uv: int | None  # (corners of the base, 2): for parallax with RUMPLE_FIELD_SHADING; or none
     uv_count: int
-    true_lengths: bool  # lengths of edges in equation (1); false: of their projections, as printed
+    true_lengths: bool  # true: equation (1) uses lengths of edges; false: of their projections, as in the paper
     _fields_ = (("output", c_int32), ("fine", FinePlan), ("uv", c_void_p), ("uv_count", c_size_t),
         ("true_lengths", c_bool),)
 
@@ -49,13 +49,13 @@ class WrinkleFieldView(Struct):
     neighbour_start: int | None  # (w + 1): the first neighbour of every vertex
     neighbours: int | None  # (m): welded vertices
     gradients: int | None  # (m, 2): M of equation (1) is the sum of v' (x) gradient
-    tangent_rest: int | None  # (w, 3): t of the rest frame; zero without a normal
-    bitangent_rest: int | None  # (w, 3): b of it
+    tangent_rest: int | None  # (w, 3): tangent t of the rest frame; zero without a normal
+    bitangent_rest: int | None  # (w, 3): bitangent b of the rest frame
     welded_of: int | None  # (n): the welded vertex of every vertex of the base
     triangles: int | None  # (t, 3): welded vertices of the base's triangles
-    uv: int | None  # (uv_count, 2): per corner of every triangle in turn
-    uv_fan: int | None  # (uv_count): corners of one fan share their gradient of uv
-    first_directions: int | None  # (w, 2): k that a clip starts from, rest frame
+    uv: int | None  # (uv_count, 2): for each corner of every triangle in order
+    uv_fan: int | None  # (uv_count): corners with the same fan number share their uv gradient
+    first_directions: int | None  # (w, 2): k at the start of a clip, rest frame
     _fields_ = (("vertex_count", c_int32), ("neighbour_count", c_int32), ("base_vertex_count", c_int32),
         ("triangle_count", c_int32), ("uv_count", c_int32), ("neighbour_start", c_void_p), ("neighbours", c_void_p),
         ("gradients", c_void_p), ("tangent_rest", c_void_p), ("bitangent_rest", c_void_p), ("welded_of", c_void_p),
@@ -68,18 +68,18 @@ class WrinkleFieldSettings(Struct):
     __slots__ = ()
     wavelength: float  # W in rest space, object units, > 0
     strength: float  # factor on the amplitude of equation (2), >= 0
-    buckling_threshold: float  # share of its length that cloth may lose without waves, 0..0.99
-    keep_length: bool  # geometry: waves no longer than the cloth at rest
+    buckling_threshold: float  # compression that causes no waves, share of the length, 0..0.99
+    keep_length: bool  # geometry: limit the waves to the length of the cloth at rest
     rate: float  # epsilon / (2 pi^2) of equation (6), 0..1; stable below 1
-    rounds: int  # of relaxation, from a given state, >= 0
+    rounds: int  # rounds of relaxation from a given state, >= 0
     start_rounds: int  # from the canonical start, >= 0
-    irregularity: float  # 0..1; 0: tidy cloth, 1: skin
-    bend_radius: float  # object units, >= 0: no waves along lines that bend on less; 0: any line
+    irregularity: float  # 0..1; 0: regular, like cloth, 1: like skin
+    bend_radius: float  # object units, >= 0: lines with a smaller radius get no waves; 0: all may
     seed: int  # of the first phases and of the irregularity
-    aligned_start: bool  # make the random first phases agree; false: random, as printed
+    aligned_start: bool  # true: align the random first phases; false: random, as in the paper
     threads: int  # 0: chosen by size; never changes the result
-    dissolve: bool  # waves that disagree with their neighbours are lower
-    rest: ReferenceSettings  # what compression is measured against
+    dissolve: bool  # reduce waves that do not match their neighbours
+    rest: ReferenceSettings  # the shape that compression is measured against
     _fields_ = (("wavelength", c_float), ("strength", c_float), ("buckling_threshold", c_float),
         ("keep_length", c_bool), ("rate", c_float), ("rounds", c_int32), ("start_rounds", c_int32),
         ("irregularity", c_float), ("bend_radius", c_float), ("seed", c_uint32), ("aligned_start", c_bool),
@@ -105,7 +105,7 @@ class WrinkleFieldPainted(Struct):
     wavelength_count: int
     rest_wrinkle: int | None  # (n, 3): p of section 7, along the compression, rest space, shorter than 1
     rest_wrinkle_count: int
-    along: int | None  # (n, 3): where waves are to run, as rumple_wrinkle_mesh_painted has it
+    along: int | None  # (n, 3): direction of the waves' crests, see rumple_wrinkle_mesh_painted
     along_count: int
     _fields_ = (("mask", c_void_p), ("mask_count", c_size_t), ("wavelength", c_void_p),
         ("wavelength_count", c_size_t), ("rest_wrinkle", c_void_p), ("rest_wrinkle_count", c_size_t),
@@ -118,11 +118,11 @@ class WrinkleFieldStateView(Struct):
     __slots__ = ()
     phase: int | None  # (w): phi, radians
     phase_count: int
-    direction: int | None  # (w, 2): k in the rest frame: the sign that phi belongs to
+    direction: int | None  # (w, 2): k in the rest frame, with the sign that phi belongs to
     direction_count: int
-    solved_offset: int | None  # (m): radians, when it was last relaxed
+    solved_offset: int | None  # (m): phase offsets in the last relaxation, radians
     solved_offset_count: int
-    reference: ReferenceView  # of a rest shape that adapts
+    reference: ReferenceView  # of an adaptive rest shape
     bytes: int  # memory of the state; not read by rumple_wrinkle_field_state_build()
     _fields_ = (("phase", c_void_p), ("phase_count", c_size_t), ("direction", c_void_p),
         ("direction_count", c_size_t), ("solved_offset", c_void_p), ("solved_offset_count", c_size_t),
@@ -136,8 +136,8 @@ class WrinkleFieldReport(Struct):
     rounds: int  # of relaxation
     misfit_before: float  # RMS phase error over edges, turns, 0..0.5
     misfit_after: float
-    largest_change: float  # of a phase since the state given, radians
-    wrinkled: int  # vertices that wrinkle
+    largest_change: float  # largest change of a phase since the given state, radians
+    wrinkled: int  # vertices with a wave
     collapsed: int  # vertices without a wave because their neighbourhood collapsed
     _fields_ = (("rounds", c_int32), ("misfit_before", c_float), ("misfit_after", c_float),
         ("largest_change", c_float), ("wrinkled", c_int32), ("collapsed", c_int32),)
@@ -153,7 +153,7 @@ class FrameWavesView(Struct):
     amplitude: int | None  # (d): h, object units
     direction: int | None  # (d, 3): k, unit, rest space
     phase: int | None  # (d): phi, radians
-    corner_phase: int | None  # (corner_count, 3): radians, less whole turns for each triangle
+    corner_phase: int | None  # (corner_count, 3): radians, without whole turns per triangle
     corner_weight: int | None  # (corner_count, 3): (h, 0, 0) at the first corner, object units
     corner_wave_vector_0: int | None  # (corner_count, 3): 2 pi / W k' of the first corner
     corner_wave_vector_1: int | None  # ... the second
@@ -175,9 +175,9 @@ class WavesView(Struct):
     normals: int | None  # (w, 3): unit, or zero
     wave_vector: int | None  # (w, 3): 2 pi / W k', radians per object unit
     height: int | None  # (w): h, object units
-    fullness: int | None  # (w): h over W / 4 before strength
+    fullness: int | None  # (w): h / (W / 4), before strength
     compression: int | None  # (w): r
-    gather: int | None  # (w): rest length over length along the wave
+    gather: int | None  # (w): rest length / length along the wave
     direction: int | None  # (w, 2): k, rest frame
     _fields_ = (("vertex_count", c_int32), ("positions", c_void_p), ("normals", c_void_p), ("wave_vector", c_void_p),
         ("height", c_void_p), ("fullness", c_void_p), ("compression", c_void_p), ("gather", c_void_p),
@@ -191,7 +191,7 @@ class WrinkleFieldWaveParameters(Struct):
     wavelength: int | None  # (w): W, object units
     mask: int | None  # (w): factor on the amplitude
     rest_wrinkle: int | None  # (w, 2): q, rest frame
-    turn: int | None  # (w, 2): (cos, sin) of the turn away from k
+    turn: int | None  # (w, 2): (cos, sin) of the rotation away from k
     count: int  # w
     _fields_ = (("wavelength", c_void_p), ("mask", c_void_p), ("rest_wrinkle", c_void_p), ("turn", c_void_p),
         ("count", c_size_t),)

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Section 7 of Loviscach 2006: painting wrinkles of the rest pose, and generating them randomly.
-A painted value is p: a tangent vector of the rest pose, along the compression (across the folds), shorter
-than 1. p and -p mean the same. Arrays of them are (n, 3), of the base's vertices.
+"""The brush of the Wrinkle Field: painting wrinkles of the rest pose, and random wrinkles (Loviscach 2006,
+section 7). A painted value p is a tangent vector of the rest pose, along the compression (across the
+folds), shorter than 1. p and -p mean the same. Arrays of painted values are (n, 3), for the base's
+vertices.
 
 Written by scripts/declarations.py from native/include/rumple/wrinkle_field_brush.h: change that.
 """
@@ -28,13 +29,13 @@ class Dab(Struct):
     __slots__ = ()
     touch: int  # rumple_touch
     centre: Array  # on the surface
-    normal: Array  # there: only vertices that show the viewer the same side are touched
+    normal: Array  # at the centre: only vertices whose same side faces the viewer are changed
     view: Array  # from the viewer to the centre
     direction: Array  # of the stroke, parallel to the screen; RUMPLE_TOUCH_PAINT only
     across: bool  # false: the folds run along the stroke; true: at right angles to it
     radius: float  # > 0
-    strength: float  # share of the way to what is asked for, at the centre, 0..1
-    length: float  # of the vectors asked for, 0..RUMPLE_LONGEST_PAINTED
+    strength: float  # blend factor at the centre, 0..1
+    length: float  # length of the painted vectors, 0..RUMPLE_LONGEST_PAINTED
     falloff: int  # rumple_falloff
     _fields_ = (("touch", c_int32), ("centre", c_float * 3), ("normal", c_float * 3), ("view", c_float * 3),
         ("direction", c_float * 3), ("across", c_bool), ("radius", c_float), ("strength", c_float),
@@ -46,9 +47,9 @@ class Scatter(Struct):
 
     __slots__ = ()
     seed: int
-    density: float  # share of the vertices that wrinkle, 0..1
-    size: float  # over which direction and strength change, object units, > 0
-    length: float  # of the longest vectors, 0..RUMPLE_LONGEST_PAINTED
+    density: float  # share of the vertices with wrinkles, 0..1
+    size: float  # distance over which direction and strength change, object units, > 0
+    length: float  # length of the longest vectors, 0..RUMPLE_LONGEST_PAINTED
     _fields_ = (("seed", c_uint32), ("density", c_float), ("size", c_float), ("length", c_float),)
 
 
@@ -57,7 +58,7 @@ class LinesView(Struct):
 
     __slots__ = ()
     line_count: int  # m
-    ends: int | None  # (2 m, 3): two of every line, space of the canvas
+    ends: int | None  # (2 m, 3): both ends of every line, space of the canvas
     strength: int | None  # (m): |p|
     _fields_ = (("line_count", c_int32), ("ends", c_void_p), ("strength", c_void_p),)
 

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Wrinkle Layers: several Wrinkle Meshes, one on the other: wide folds first, finer ones on them. Each is
-solved over the solved surface of the one before. docs/wrinkle_mesh.md, Layers.
+"""Wrinkle Layers: several Wrinkle Meshes on top of each other, for wide folds with finer folds on them. Each
+is solved over the solved surface of the one before. See docs/wrinkle_mesh.md, Layers.
 
 Written by scripts/declarations.py from native/include/rumple/wrinkle_layers.h: change that.
 """
@@ -24,8 +24,8 @@ class WrinkleLayersPlan(Struct):
     """struct rumple_wrinkle_layers_plan"""
 
     __slots__ = ()
-    levels: int  # subdivisions of the base that are solved, >= 0; there are levels + 1 layers
-    display_steps: int  # further subdivisions, of the shown mesh, that are not solved, >= 0
+    levels: int  # solved subdivisions of the base, >= 0; there are levels + 1 layers
+    display_steps: int  # further subdivisions of the shown mesh, which are not solved, >= 0
     viewport_steps: int  # ... of the mesh that viewports show, >= 0; at most as many count
     most_vertices: int  # a shown mesh with more is refused
     _fields_ = (("levels", c_int32), ("display_steps", c_int32), ("viewport_steps", c_int32),
@@ -39,7 +39,7 @@ class WrinkleLayersView(Struct):
     layer_count: int  # levels + 1
     solved_vertex_count: int  # of all layers
     finest_triangle_count: int
-    finest_triangles: int | None  # (finest_triangle_count, 3): of the vertices of a state's `solved`
+    finest_triangles: int | None  # (finest_triangle_count, 3): rows of a state's `solved`
     _fields_ = (("layer_count", c_int32), ("solved_vertex_count", c_int32), ("finest_triangle_count", c_int32),
         ("finest_triangles", c_void_p),)
 
@@ -49,7 +49,7 @@ class WrinkleLayersPainted(Struct):
 
     __slots__ = ()
     all: WrinkleMeshPainted
-    strength: int | None  # (layers): for each one (n), 0..1, r x value, or NULL; or none
+    strength: int | None  # (layers): for each (n), 0..1, r x value, or NULL; or none
     strength_count: int
     _fields_ = (("all", WrinkleMeshPainted), ("strength", c_void_p), ("strength_count", c_size_t),)
 
@@ -60,7 +60,7 @@ class WrinkleLayersStateView(Struct):
     __slots__ = ()
     layer_count: int
     solved_count: int  # vertices of the finest layer
-    solved: int | None  # (solved_count, 3): the finest layer, object space
+    solved: int | None  # (solved_count, 3): positions of the finest layer, object space
     bytes: int  # memory of the state
     _fields_ = (("layer_count", c_int32), ("solved_count", c_int32), ("solved", c_void_p), ("bytes", c_size_t),)
 
@@ -71,13 +71,13 @@ class WrinkleLayersInput(Struct):
     __slots__ = ()
     positions: int | None  # (n, 3): the deformed base, or the base cloth on it, object space
     positions_count: int
-    gap: int | None  # (n): how far each vertex may go inwards, object units, >= 0; or none: no limit
+    gap: int | None  # (n): how far each vertex may move inwards, object units, >= 0; none: any distance
     gap_count: int
     bodies: Bodies  # in this pose; or none
-    body_hint: int | None  # (n), with bodies: of rumple_base_cloth_solve()
+    body_hint: int | None  # (n), with bodies: from rumple_base_cloth_solve()
     body_hint_count: int
     thickness: float  # how far cloth stays off bodies, object units, >= 0
-    inner: float  # how far an inner side reaches below the cloth, object units, >= 0
+    inner: float  # how far the garment's inner side is below the cloth, object units, >= 0
     _fields_ = (("positions", c_void_p), ("positions_count", c_size_t), ("gap", c_void_p), ("gap_count", c_size_t),
         ("bodies", Bodies), ("body_hint", c_void_p), ("body_hint_count", c_size_t), ("thickness", c_float),
         ("inner", c_float),)
@@ -87,8 +87,8 @@ class WrinkleTransferPlan(Struct):
     """struct rumple_wrinkle_transfer_plan"""
 
     __slots__ = ()
-    level: int  # subdivisions of the dense mesh that are moved, >= 0
-    display_steps: int  # further ones that are shown, >= 0
+    level: int  # subdivisions of the dense mesh whose vertices are moved, >= 0
+    display_steps: int  # further subdivisions of the shown mesh, >= 0
     viewport_steps: int  # ... of the mesh that viewports show, >= 0; at most as many count
     most_vertices: int  # a shown mesh with more is refused
     _fields_ = (("level", c_int32), ("display_steps", c_int32), ("viewport_steps", c_int32),

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Wrinkle Maps: L. Dutreve, A. Meyer and S. Bouakaz, Real-Time Dynamic Wrinkles of Face for Animated Skinned
-Mesh, ISVC 2009. The present pose of a skeleton is compared, bone by bone, with reference poses that have a
-normal map each; the skin weights say where each map shows. docs/wrinkle_maps.md has the mathematics.
+Mesh, ISVC 2009. The current pose of a skeleton is compared, bone by bone, with reference poses. Each
+reference pose has a normal map. The skin weights determine where each map is visible. docs/wrinkle_maps.md
+has the mathematics.
 
 Written by scripts/declarations.py from native/include/rumple/wrinkle_maps.h: change that.
 """
@@ -38,17 +39,17 @@ class WrinkleMapsPlan(Struct):
     names_count: int
     tracked: int | None  # (b), rumple_tracked
     tracked_count: int
-    group: int | None  # (b): bones of one group share their influences; -1: on its own
+    group: int | None  # (b): bones of the same group share their influences; -1: in no group
     group_count: int
     neutral: int | None  # (b, 6): P_0, root space, finite
     neutral_count: int
     poses: Any  # (o), at most RUMPLE_MOST_POSES
     poses_count: int
-    weight_start: int | None  # (n + 1): the first weight of every vertex, then how many there are
+    weight_start: int | None  # (n + 1): the first weight of every vertex, then their number
     weight_start_count: int
-    weight_bone: int | None  # (weights), -1: a bone that is not listed
+    weight_bone: int | None  # (weights); -1: a bone that is not listed
     weight_bone_count: int
-    weight: int | None  # (weights), >= 0; a vertex's of bones are made to sum to 1; of shape keys 0..1
+    weight: int | None  # (weights), >= 0; bones: normalised to a sum of 1 per vertex; shape keys: 0..1
     weight_count: int
     _fields_ = (("names", c_void_p), ("names_count", c_size_t), ("tracked", c_void_p), ("tracked_count", c_size_t),
         ("group", c_void_p), ("group_count", c_size_t), ("neutral", c_void_p), ("neutral_count", c_size_t),
@@ -67,9 +68,9 @@ class WrinkleMapsView(Struct):
     weight_count: int
     unnormalised: int  # vertices whose weights did not sum to 1
     unbound: int  # vertices without any weight: their masks are 0
-    moves: int | None  # (b, o): 1 where a bone moves in a pose
-    reach: int | None  # (n, o): sum of the weights of what moves in a pose; above 1 with shape keys only
-    weight_start: int | None  # (n + 1): the weights as they count: of listed bones only
+    moves: int | None  # (b, o): 1 if the bone moves in the pose
+    reach: int | None  # (n, o): sum of the weights of bones that move in a pose; > 1 only with shape keys
+    weight_start: int | None  # (n + 1): the weights that are used: of listed bones only
     weight_bone: int | None  # (weight_count)
     weight: int | None  # (weight_count)
     _fields_ = (("vertex_count", c_int32), ("pose_count", c_int32), ("bone_count", c_int32),
@@ -81,7 +82,7 @@ class WrinkleMapsSettings(Struct):
     """struct rumple_wrinkle_maps_settings"""
 
     __slots__ = ()
-    gain: float  # of masks where the skin is only partly moved, 0.1..100
+    gain: float  # gain of masks where bones move the skin only partly, 0.1..100
     strength: int | None  # (o), 0..1: 0 mutes a pose; or none: 1 for all
     strength_count: int
     _fields_ = (("gain", c_float), ("strength", c_void_p), ("strength_count", c_size_t),)

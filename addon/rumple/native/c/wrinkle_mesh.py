@@ -27,12 +27,12 @@ class WrinkleMeshPlan(Struct):
     __slots__ = ()
     fine: FinePlan
     own: Any  # RUMPLE_FINE_OBJECT: a mesh at rest, in the base's space; else NULL
-    attached: int | None  # (vertices of own): 0 where it is not attached; or none: all are
+    attached: int | None  # (vertices of own): 0: not attached; or none: all are attached
     attached_count: int
-    farthest: float  # an own mesh farther than this from the base is refused, object units; 0: any
-    display_steps: int  # further subdivisions, of the shown mesh, that are not solved, >= 0
-    viewport_steps: int  # ... of the mesh that viewports show, >= 0; at most as many count
-    adaptive: bool  # for settings whose reference is not RUMPLE_REFERENCE_STATIC_REST
+    farthest: float  # `own` is refused if farther than this from the base, object units; 0: never
+    display_steps: int  # further subdivisions of the shown mesh, which are not solved, >= 0
+    viewport_steps: int  # ... of the mesh for viewports, >= 0; limited to display_steps
+    adaptive: bool  # needed for settings whose reference is not RUMPLE_REFERENCE_STATIC_REST
     _fields_ = (("fine", FinePlan), ("own", SurfacePointer), ("attached", c_void_p), ("attached_count", c_size_t),
         ("farthest", c_float), ("display_steps", c_int32), ("viewport_steps", c_int32), ("adaptive", c_bool),)
 
@@ -54,33 +54,34 @@ class WrinkleMeshSettings(Struct):
     """struct rumple_wrinkle_mesh_settings"""
 
     __slots__ = ()
-    radius: float  # r: attachment radius, in mean lengths of the edges around a vertex, >= 0
-    prestretch: float  # s: rest length over measured length, > 0
+    radius: float  # r: attachment radius / mean length of the edges around a vertex, >= 0
+    prestretch: float  # s: rest length / measured length, > 0
     bending: float  # k_bending, 0..1
     collision: int  # rumple_collision
     inside: float  # depth of the collision plane below the surface, in radii, 0..1
-    stretch_relief: float  # share of the base's excess length that is given in to, 0..1
-    buckling_threshold: float  # compression of the base that bears no folds, share of the length, 0..1
-    compression_limit: float  # rest length at most this times the base's length, >= 1
-    free_compression_limit: float  # the same where cloth hangs free, as painted in `worn`, >= 1
+    stretch_relief: float  # share of the base's stretch that the rest lengths adopt, 0..1
+    buckling_threshold: float  # compression of the base that causes no folds, share of the length, 0..1
+    compression_limit: float  # largest rest length / length on the base, >= 1
+    free_compression_limit: float  # the same where cloth hangs free (painted as `worn`), >= 1
     hem_rings: int  # rings over which r fades to 0 at open borders, >= 0
     iterations: int  # passes from a given state, >= 0
     start_iterations: int  # passes from the canonical start, >= 0
     damping: float  # share of the former offset that is kept, 0..1
     offset_space: int  # rumple_offset_space
-    tangential_pull: float  # share of its way along the surface that a pass pulls a vertex back, 0..1
-    normal_pull: float  # the same off the surface, 0..1
-    slack: float  # of layers: length over rest length at which the base pulls taut, > 0
-    taut_range: float  # of layers: over which, below that, s goes from slack to prestretch, >= 0; 0: nowhere
-    hang: Array  # of layers: object space, length 0..1: along it its own weight pulls the cloth taut
-    # of layers, that of the first counts: object units, >= 0: no folds along lines that bend on less; 0: along any
+    tangential_pull: float  # share of a vertex's offset along the surface that a pass removes, 0..1
+    normal_pull: float  # the same for the offset along the normal, 0..1
+    slack: float  # layers only: length / rest length at which the base is taut, > 0
+    taut_range: float  # layers only: range below slack where s falls to prestretch, >= 0; 0: none
+    hang: Array  # layers only: direction in which weight pulls cloth taut; object space, length 0..1
+    # layers only, read from the first one: object units, >= 0: lines with a smaller radius of curvature get no folds;
+    # 0: all lines may
     bend_radius: float
-    apart: float  # of layers: share of the distance to its own cloth that a vertex may go, 0..0.5
-    slide: float  # of layers: share of the heights of its triangles that it may go along them, 0..0.5
+    apart: float  # layers only: share of the distance to other cloth that a vertex may move, 0..0.5
+    slide: float  # layers only: share of its triangles' heights that it may move along them, 0..0.5
     nudge: float  # size of the random push of unbuckled vertices, in fine edges, >= 0
-    seed: int  # of that push
+    seed: int  # seed of this push
     threads: int  # 0: chosen by size; never changes the result
-    rest: ReferenceSettings  # what compression is measured against
+    rest: ReferenceSettings  # the shape that compression is measured against
     _fields_ = (("radius", c_float), ("prestretch", c_float), ("bending", c_float), ("collision", c_int32),
         ("inside", c_float), ("stretch_relief", c_float), ("buckling_threshold", c_float),
         ("compression_limit", c_float), ("free_compression_limit", c_float), ("hem_rings", c_int32),
@@ -102,10 +103,10 @@ class WrinkleMeshPainted(Struct):
     bending_count: int
     inside: int | None  # inside x value
     inside_count: int
-    worn: int | None  # 1: compression_limit holds, 0: free_compression_limit, for the cloth hangs free
+    worn: int | None  # 1: compression_limit applies; 0: hangs free, free_compression_limit applies
     worn_count: int
-    along: int | None  # (n, 3): where folds are to run, as a direction at rest, either sign; its length,
-    along_count: int  # 0..1, says how much; or none
+    along: int | None  # (n, 3): direction of the folds at rest, v and -v mean the same; its length,
+    along_count: int  # 0..1, is the strength; or none
     _fields_ = (("radius", c_void_p), ("radius_count", c_size_t), ("prestretch", c_void_p),
         ("prestretch_count", c_size_t), ("bending", c_void_p), ("bending_count", c_size_t), ("inside", c_void_p),
         ("inside_count", c_size_t), ("worn", c_void_p), ("worn_count", c_size_t), ("along", c_void_p),
@@ -118,9 +119,9 @@ class WrinkleMeshStateView(Struct):
     __slots__ = ()
     offset: int | None  # (v, 3): o_i, in the frame of the base triangle, or in the world
     offset_count: int
-    solved_length: int | None  # (pairs): at the attachments when it was last solved, over its rest scale
+    solved_length: int | None  # (pairs): length at the attachments in the last solve / rest scale
     solved_length_count: int
-    reference: ReferenceView  # of a rest shape that adapts
+    reference: ReferenceView  # of an adaptive rest shape
     bytes: int  # memory of the state; not read by rumple_wrinkle_mesh_state_build()
     _fields_ = (("offset", c_void_p), ("offset_count", c_size_t), ("solved_length", c_void_p),
         ("solved_length_count", c_size_t), ("reference", ReferenceView), ("bytes", c_size_t),)
@@ -130,13 +131,13 @@ class WrinkleMeshReport(Struct):
     """struct rumple_wrinkle_mesh_report"""
 
     __slots__ = ()
-    iterations: int  # 0: the pose was held, nothing was solved
+    iterations: int  # 0: all vertices were asleep, nothing was solved
     error_before: float  # RMS relative length error of the distance constraints at the attachments
-    error_after: float  # ... of the solved mesh
-    largest_error: float  # largest relative length error after
-    active: float  # share of the vertices that were solved, 0..1; the rest was held
+    error_after: float  # ... and of the solved mesh
+    largest_error: float  # largest relative length error of the solved mesh
+    active: float  # share of the vertices that were solved, 0..1; the others were asleep
     collapsed_triangles: int  # triangles of the base without area in this pose
-    kept_apart: int  # vertices that their own cloth or a body in front kept from going on
+    kept_apart: int  # vertices that other cloth or a body in front stopped
     _fields_ = (("iterations", c_int32), ("error_before", c_float), ("error_after", c_float),
         ("largest_error", c_float), ("active", c_float), ("collapsed_triangles", c_int32), ("kept_apart", c_int32),)
 
@@ -145,13 +146,13 @@ class WrinkleMeshMeasures(Struct):
     """struct rumple_wrinkle_mesh_measures"""
 
     __slots__ = ()
-    edge_error_before_rms: float  # |length - s l0| / (s l0), the fine mesh at its attachments
+    edge_error_before_rms: float  # |length - s l0| / (s l0) of the fine mesh at its attachments
     edge_error_before_max: float
-    edge_error_after_rms: float  # ... solved
+    edge_error_after_rms: float  # ... and solved
     edge_error_after_max: float
-    compressed_area_before: float  # area / rest area where base triangles are below 0.9 of their rest area
+    compressed_area_before: float  # area / rest area, where base triangles have less than 0.9 of their rest area
     compressed_area_after: float
-    attachment_violation: float  # largest (|o| - r) / r over attached vertices with r > 0, not below 0
+    attachment_violation: float  # largest (|o| - r) / r over attached vertices with r > 0, at least 0
     largest_offset: float  # object units
     _fields_ = (("edge_error_before_rms", c_float), ("edge_error_before_max", c_float),
         ("edge_error_after_rms", c_float), ("edge_error_after_max", c_float), ("compressed_area_before", c_float),

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Wrinkle Paths: R. Gillette, Augmentation of Coarse Meshes with Wrinkles, UBC 2015 (with C. Peters). Folds
-traced over a coarse animated mesh across its compression, which live from frame to frame. No rest pose is
-needed. docs/wrinkle_paths.md has the mathematics.
+are traced over a coarse animated mesh, across its compression, and persist from frame to frame. No rest
+pose is needed. docs/wrinkle_paths.md has the mathematics.
 
 Written by scripts/declarations.py from native/include/rumple/wrinkle_paths.h: change that.
 """
@@ -37,22 +37,22 @@ class WrinklePathsSettings(Struct):
     """struct rumple_wrinkle_paths_settings"""
 
     __slots__ = ()
-    rest: ReferenceSettings  # what compression is measured against, chapter 4
-    smoothing: float  # of the triangles' shapes in time, s, >= 0
-    threshold: float  # tau: folds start where the compression is above it, > 1
-    reach: float  # folds go on down to this share of tau's compression, 0..1
+    rest: ReferenceSettings  # the shape that compression is measured against, chapter 4
+    smoothing: float  # temporal smoothing of the triangles' shapes, s, >= 0
+    threshold: float  # tau: folds start where the compression is larger, > 1
+    reach: float  # folds continue down to this share of tau's compression, 0..1
     width: float  # L_min: width of the tightest fold, object units, > 0
-    spacing: float  # of seeds from folds, in widths, > 0
-    alignment: float  # alpha of equation 5.2: low keeps folds where they are, high turns them, >= 0
-    bend_radius: float  # object units, >= 0: no folds along lines that bend on less; 0: along any line
+    spacing: float  # distance of seeds from folds / width, > 0
+    alignment: float  # alpha of equation 5.2: low: folds stay in place, high: folds turn, >= 0
+    bend_radius: float  # object units, >= 0: lines with a smaller radius get no folds; 0: all may
     hem_rings: int  # rings over which compression and height fade towards open borders, >= 0
-    growth_limit: float  # most change of a fold's length, share per 1/30 s, >= 0
-    fade: float  # in which a fold rises and sinks, s, >= 0
-    persistent: bool  # false: every frame is traced anew
-    seed: int  # of the places where folds may start
+    growth_limit: float  # largest change of a fold's length, share per 1/30 s, >= 0
+    fade: float  # time in which a fold appears or disappears, s, >= 0
+    persistent: bool  # false: every frame is traced independently
+    seed: int  # seed of the places where folds may start
     profile: int  # rumple_fold_profile
     direction: int  # rumple_fold_direction
-    height: float  # factor on the height that keeps the arc length, >= 0
+    height: float  # factor on the height that preserves the arc length, >= 0
     threads: int  # 0: chosen by size; never changes the result
     _fields_ = (("rest", ReferenceSettings), ("smoothing", c_float), ("threshold", c_float), ("reach", c_float),
         ("width", c_float), ("spacing", c_float), ("alignment", c_float), ("bend_radius", c_float),
@@ -64,11 +64,11 @@ class WrinklePathsPainted(Struct):
     """struct rumple_wrinkle_paths_painted"""
 
     __slots__ = ()
-    mask: int | None  # (n), 0..1: where folds may start, and how long they get; or none: 1 everywhere
+    mask: int | None  # (n), 0..1: where folds may start, and how long they become; none: 1 everywhere
     mask_count: int
     width: int | None  # (n), 0.1..1: factor on the width; or none
     width_count: int
-    along: int | None  # (n, 3): where folds are to run, as rumple_wrinkle_mesh_painted has it; or none
+    along: int | None  # (n, 3): direction of the folds, see rumple_wrinkle_mesh_painted; or none
     along_count: int
     _fields_ = (("mask", c_void_p), ("mask_count", c_size_t), ("width", c_void_p), ("width_count", c_size_t),
         ("along", c_void_p), ("along_count", c_size_t),)
@@ -79,17 +79,17 @@ class WrinklePathsStateView(Struct):
 
     __slots__ = ()
     reference: ReferenceView
-    shapes: int | None  # (t, 3): as `reference`, smoothed in time
+    shapes: int | None  # (t, 3): in the format of `reference`, smoothed in time
     shapes_count: int
-    compression: int | None  # (t): as the paths see it
+    compression: int | None  # (t): compression that the paths use
     compression_count: int
-    width: int | None  # (t): painted factor on the width; or none: 1 everywhere
+    width: int | None  # (t): painted factor on the width; none: 1 everywhere
     width_count: int
-    path_id: int | None  # (paths): in order of birth, never used twice
+    path_id: int | None  # (paths): in order of creation, never reused
     path_id_count: int
-    path_fade: int | None  # (paths): 0 at birth, 1 at full height
+    path_fade: int | None  # (paths): 0 when created, 1 at full height
     path_fade_count: int
-    path_start: int | None  # (paths + 1): the first point of every path, then how many there are
+    path_start: int | None  # (paths + 1): the first point of every path, then the number of points
     path_start_count: int
     point_triangle_edge: int | None  # (points, 2)
     point_triangle_edge_count: int
@@ -112,12 +112,12 @@ class WrinklePathsReport(Struct):
     paths: int
     born: int
     died: int
-    merging: int  # paths that are being cut back to where they cross an older one
-    compressed: int  # triangles by label
+    merging: int  # paths that are being shortened to where they cross an older one
+    compressed: int  # triangles with this label
     stretched: int
-    collapsed_triangles: int  # without area in this pose
-    moved_mean: float  # of path points along the surface since the frame before, in widths
-    moved_most: float  # ... of the 99th percentile
+    collapsed_triangles: int  # triangles without area in this pose
+    moved_mean: float  # mean movement of path points along the surface in this frame / width
+    moved_most: float  # ... and its 99th percentile
     _fields_ = (("paths", c_int32), ("born", c_int32), ("died", c_int32), ("merging", c_int32),
         ("compressed", c_int32), ("stretched", c_int32), ("collapsed_triangles", c_int32), ("moved_mean", c_float),
         ("moved_most", c_float),)
@@ -138,13 +138,13 @@ class CurvesView(Struct):
     __slots__ = ()
     curve_count: int  # c
     point_count: int  # p
-    riding_count: int  # p of rumple_wrinkle_paths_ride(), else 0
+    riding_count: int  # p from rumple_wrinkle_paths_ride(), else 0
     start: int | None  # (c + 1): the first point of every curve, then p
     id: int | None  # (c)
     positions: int | None  # (p, 3), object space
-    width: int | None  # (p): L there, object units
+    width: int | None  # (p): width L, object units
     height: int | None  # (p): signed, object units
-    corners: int | None  # (riding_count, 3): the base's vertices around every point
+    corners: int | None  # (riding_count, 3): the base triangle of every point
     weights: int | None  # (riding_count, 2): u, v
     local_offset: int | None  # (riding_count, 3): o, in the frame of the deformed triangle, object units
     _fields_ = (("curve_count", c_int32), ("point_count", c_int32), ("riding_count", c_int32), ("start", c_void_p),
@@ -156,22 +156,22 @@ class DrawingView(Struct):
     """struct rumple_drawing_view"""
 
     __slots__ = ()
-    vertex_count: int  # w; 0 of rumple_wrinkle_paths_list()
+    vertex_count: int  # w; 0 from rumple_wrinkle_paths_list()
     base_vertex_count: int  # n; likewise
     part_count: int  # t; likewise
     triangle_count: int  # t
     range_count: int  # r
     end_count: int  # e
     curved: bool  # false: straight triangles, for a linear attachment
-    flat: int | None  # (w, 3): welded vertices of the deformed base; heights are over them
-    smooth: int | None  # (w, 3): their places on the surface that the fine mesh is attached to
+    flat: int | None  # (w, 3): welded vertices of the deformed base; heights are measured from here
+    smooth: int | None  # (w, 3): the same on the surface that the fine mesh is attached to
     normal: int | None  # (w, 3), unit
     hem: int | None  # (w): factor on the folds
-    parts: int | None  # (t, 4): parts that a triangle, and its edges from corners 0, 1, 2, have
-    proxy_offset: int | None  # (n, 3): the way from every vertex of the base to `smooth`
-    triangle_start: int | None  # (t + 1): where the ranges of every triangle begin
-    ranges: int | None  # (r, 2): first piece and end of the pieces that reach the triangle
-    ends: int | None  # (e, 8): piece i runs from end i to i + 1; at, width, along, height
+    parts: int | None  # (t, 4): numbers of parts of a triangle and of its edges from corners 0, 1, 2
+    proxy_offset: int | None  # (n, 3): from every vertex of the base to `smooth`
+    triangle_start: int | None  # (t + 1): the first range of every triangle
+    ranges: int | None  # (r, 2): first and end of the pieces that reach the triangle
+    ends: int | None  # (e, 8): piece i is from end i to end i + 1; at, width, along, height
     _fields_ = (("vertex_count", c_int32), ("base_vertex_count", c_int32), ("part_count", c_int32),
         ("triangle_count", c_int32), ("range_count", c_int32), ("end_count", c_int32), ("curved", c_bool),
         ("flat", c_void_p), ("smooth", c_void_p), ("normal", c_void_p), ("hem", c_void_p), ("parts", c_void_p),
