@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Reference poses of bones and shape keys as data: what the Wrinkle Maps compare the present pose with. No bpy here.
+"""Reference poses of bones and shape keys, which Wrinkle Maps compare the current pose with. No bpy here.
 
 The JSON that to_json() writes is what a game engine needs; docs/wrinkle_maps.md describes it field by field, and
 poses_json.py reads it.
@@ -16,20 +16,21 @@ from ..native import kernels
 from .wording import UserError
 
 FORMAT, FORMAT_VERSION = "rumple-wrinkle-maps", 1
-KEYS_VERSION = 2  # of files with shape keys: engines that know bones only are to refuse them
+KEYS_VERSION = 2  # of files with shape keys, so that engines that support only bones refuse them
 TRACKED = ("HEAD", "TAIL", "BOTH")
 MAPS = ("WRINKLES", "WHOLE")
 MOST_POSES = kernels.MOST_POSES
 _UNTRACKED = dict(HEAD=slice(3, 6), TAIL=slice(0, 3), KEY=slice(1, 6))
-PACKED = 3  # masks in one vector attribute: EEVEE takes 14 attributes a material, a rig may have 16 poses
-ROW = 4  # skin weights in a row of the table that the nodes read: most vertices need no second one
-LONGEST_NAME = 48  # bytes: Blender's attribute names end after 63, ours begin with rumple_pose_
+PACKED = 3  # masks in one vector attribute: EEVEE allows 14 attributes in a material, but a rig may have 16 poses
+ROW = 4  # skin weights in a row of the table for the nodes: most vertices need only one row
+LONGEST_NAME = 48  # bytes: Blender allows 63 for attribute names, and ours begin with rumple_pose_
 GAINS = (0.1, 100.0)
 
 
 @dataclass
 class TrackedBone:
-    """A bone whose place is compared. tracked: HEAD, TAIL or BOTH. group: bones of one group share their influences."""
+    """A bone whose position is compared. tracked: HEAD, TAIL or BOTH. group: bones of one group share their
+    influences."""
 
     name: str
     tracked: str = "BOTH"
@@ -38,7 +39,7 @@ class TrackedBone:
 
 @dataclass
 class TrackedKey:
-    """A shape key whose value is compared. group: as of bones, and together with them."""
+    """A shape key whose value is compared. group: as for bones; a group may have both."""
 
     name: str
     group: str = ""
@@ -62,7 +63,7 @@ class ReferencePose:
 
 
 def strengths(poses: Sequence[Any]) -> list[float]:
-    """For each pose what its mask is multiplied by: 0 where it is muted, or another one is solo.
+    """The factor on each pose's mask: 0 if the pose is muted, or another one is solo.
 
     poses: anything with strength, muted and solo.
     """
@@ -72,19 +73,19 @@ def strengths(poses: Sequence[Any]) -> list[float]:
 
 @dataclass
 class PoseRig:
-    """All reference poses of one character. b tracked bones, in object units of the armature, and m shape keys.
+    """All reference poses of one character: b tracked bones, in object units of the armature, and m shape keys.
 
-    Where both count as one, the elements, bones stand in front of keys.
+    Both together are called elements, bones first.
     """
 
     name: str  # of the wrinkled object, for messages
-    root: str  # the bone in whose space all is compared: its motion has no effect; empty: the armature itself
+    root: str  # the bone in whose space poses are compared, so its motion has no effect; empty: the armature itself
     bones: list[TrackedBone]
     neutral: np.ndarray  # (b, 6) float32: P_0
     poses: list[ReferencePose] = field(default_factory=list)
     maps: str = "WRINKLES"  # WHOLE: the maps contain the details of the neutral map, too
     neutral_map: str = ""
-    gain: float = 1.0  # above 1, wrinkles fade less with the distance from their bones
+    gain: float = 1.0  # if larger than 1, wrinkles fade less with the distance from their bones
     keys: list[TrackedKey] = field(default_factory=list)
     neutral_keys: np.ndarray = field(default_factory=_no_values)  # (m,) float32
 
@@ -93,7 +94,7 @@ class PoseRig:
         return [*self.bones, *self.keys]
 
     def check(self) -> None:
-        """Raises UserError naming the first thing that is wrong. The native module checks the points of the bones."""
+        """Raises UserError about the first error. The native library checks the positions of the bones."""
         _refuse_repeated(self.name, "bone", [bone.name for bone in self.bones])
         _refuse_repeated(self.name, "shape key", [key.name for key in self.keys])
         _refuse_repeated(self.name, "pose", [pose.name for pose in self.poses])
@@ -110,17 +111,17 @@ class PoseRig:
         _refuse_outside(self.name, "gain", self.gain, *GAINS)
 
     def group_numbers(self) -> np.ndarray:
-        """(b + m,) int32: number of each element's group, -1 on its own."""
+        """(b + m,) int32: number of each element's group, -1 for none."""
         numbers: dict[str, int] = {}
         return np.array([numbers.setdefault(element.group, len(numbers)) if element.group else -1
                          for element in self.elements], np.int32)
 
     def moves(self) -> np.ndarray:
-        """(b + m, o) bool: what is compared in which pose. Raises UserError, as PoseComparison.build() does."""
+        """(b + m, o) bool: which elements are compared in which pose. Raises UserError, see PoseComparison.build()."""
         return PoseComparison.build(self, SkinWeights.none()).moves
 
     def to_json(self) -> str:
-        """The rig as documented. Numbers are written so that reading gives back the same bits. Raises UserError."""
+        """The rig in the documented format. Numbers have enough digits to restore the same bits. Raises UserError."""
         bone_moves, key_moves = np.split(self.moves(), [len(self.bones)])
         poses = [dict(name=pose.name, map=pose.map, strength=strength,
                       bones=[dict(moves=bool(moved), **_points(place)) for moved, place in zip(column, pose.bones)])
@@ -165,30 +166,30 @@ def _refuse_outside(owner: str, what: str, value: float, low: float, high: float
 # ---------------------------------------------------------------- a frame
 @dataclass
 class SkinWeights:
-    """Which elements deform each of n vertices. Those of bones need not sum to 1."""
+    """Weights of the elements for each of n vertices. Weights of bones need not sum to 1."""
 
     start: np.ndarray  # (n + 1,) int32
-    bone: np.ndarray  # (w,) int32 of the rig's elements; -1: another bone
+    bone: np.ndarray  # (w,) int32: number of an element of the rig; -1: another bone
     weight: np.ndarray  # (w,) float32; of shape keys 0..1
 
     @classmethod
     def none(cls) -> "SkinWeights":
-        """Of no vertices."""
+        """Weights for no vertices."""
         return cls(np.zeros(1, np.int32), np.zeros(0, np.int32), np.zeros(0, np.float32))
 
 
 @dataclass
 class Masks:
-    """One frame. o poses, b bones, m shape keys, n vertices; all 0..1."""
+    """The masks of one frame. o poses, b bones, m shape keys, n vertices; all 0..1."""
 
-    pose: np.ndarray  # (o, n) float32: where each pose's map shows, and how much
+    pose: np.ndarray  # (o, n) float32: where and how strongly each pose's map is visible
     influence: np.ndarray  # (b + m, o)
     rest: np.ndarray  # (b + m,)
-    presence: np.ndarray  # (o,) of each pose as a whole
+    presence: np.ndarray  # (o,): how much of each pose is present as a whole
 
 
 def packed(values: np.ndarray) -> list[np.ndarray]:
-    """(o, n) as (n, PACKED) float32 for every PACKED poses."""
+    """(o, n) as a list of (n, PACKED) float32, one for every PACKED poses."""
     count = len(values)
     packs = []
     for first in range(0, count, PACKED):
@@ -200,16 +201,16 @@ def packed(values: np.ndarray) -> list[np.ndarray]:
 
 @dataclass
 class WeightTable:
-    """Skin weights in rows of ROW. Row v is of vertex v; where it is too short, more rows follow behind the last."""
+    """Skin weights in rows of ROW. Row v belongs to vertex v. If it is too short, further rows are at the end."""
 
     bone: np.ndarray  # (m, ROW) int32
     weight: np.ndarray  # (m, ROW) float32, 0 where a row ends early
-    vertex: np.ndarray  # (m,) int32: whose row it is
+    vertex: np.ndarray  # (m,) int32: the vertex that the row belongs to
     more: np.ndarray  # (d, n) int32: further rows of every vertex; -1: none
 
 
 class PoseComparison:
-    """A rig bound to a skin. Frames do not depend on one another: nothing is stored."""
+    """A rig bound to a skin. Frames do not depend on each other, so nothing is stored."""
 
     def __init__(self, rig: PoseRig, model: Any) -> None:
         self.rig = rig
@@ -223,7 +224,8 @@ class PoseComparison:
 
     @classmethod
     def build(cls, rig: PoseRig, weights: SkinWeights) -> "PoseComparison":
-        """Raises UserError: what check() refuses, bad points, a pose equal to another or to the neutral one."""
+        """Raises UserError: see check(); also for bad positions and for a pose equal to another or to the neutral
+        one."""
         rig.check()
         try:
             model = kernels.build_wrinkle_maps(
@@ -240,14 +242,14 @@ class PoseComparison:
         """(b + m, o) bool: which elements move in which pose."""
         return self.model.moves.astype(bool)
 
-    # --- for the nodes, that compute the masks where no Python runs (blender/nodes/maps_mask_tree.py)
+    # --- for the node tree, which computes the masks without Python (blender/nodes/maps_mask_tree.py)
     def neutral(self) -> np.ndarray:
-        """(b + m, 6) float32: heads and tails; of shape keys the value, then zeros."""
+        """(b + m, 6) float32: heads and tails; for shape keys the value, then zeros."""
         return _joined(self.rig.neutral, self.rig.neutral_keys)
 
     def slopes(self) -> np.ndarray:
-        """(o, b + m, 6): slope . (places - neutral), clamped to 0..1, is the influence: displacement /
-        |displacement|^2 of what is tracked."""
+        """(o, b + m, 6): displacement / |displacement|^2 of the tracked parts. The dot product of slope and (position -
+        neutral), clamped to 0..1, is the influence."""
         displacements = np.array([_joined(pose.bones, pose.keys) for pose in self.rig.poses], float) - self.neutral()
         for number, tracked in enumerate(_tracked(self.rig)):
             if tracked != "BOTH":
@@ -257,19 +259,20 @@ class PoseComparison:
         return np.divide(displacements, squares, out=np.zeros_like(displacements), where=moving).astype(np.float32)
 
     def shares(self) -> np.ndarray:
-        """(o, b + m): of the sum over an element's group, to be the mean over those that move; 1 for one on its own."""
+        """(o, b + m): factor on the sum over an element's group that gives the mean over the elements that move; 1
+        without a group."""
         group = self.rig.group_numbers()
         together = (group[:, None] == group) & (group >= 0) | np.eye(len(group), dtype=bool)
         return (1.0 / np.maximum(together @ self.moves.astype(int), 1)).T.astype(np.float32)
 
     def lifts(self, gain: float, strength: Sequence[float]) -> np.ndarray:
-        """(o, n): what gain and strengths multiply the weighted sum by. reach' / reach of the native gained()."""
+        """(o, n): the factor of gain and strengths on the weighted sum: reach' / reach of the native gained()."""
         reach = self.model.reach.T
         lifted = gain / (1.0 + (gain - 1.0) * np.minimum(reach, 1.0)) / np.maximum(reach, 1.0)
         return (np.array(strength, np.float32)[:, None] * lifted).astype(np.float32)
 
     def table(self) -> WeightTable:
-        """The weights of the rig's elements as they count."""
+        """The weights of the rig's elements, as the library uses them."""
         start, bone, weight = self.model.weights
         counts = np.diff(start)
         further = np.maximum((counts + ROW - 1) // ROW - 1, 0)
@@ -284,11 +287,11 @@ class PoseComparison:
         table.bone[row, place % ROW], table.weight[row, place % ROW] = bone, weight
         return table
 
-    # --- here
+    # --- computed by the library
     def frame(self, bones: np.ndarray, gain: float | None = None, strength: list[float] | None = None,
               keys: np.ndarray | None = None) -> Masks:
-        """bones: (b, 6) float32, root space. keys: (m,) values. gain, strength for each pose: the rig's unless given.
-        Raises UserError."""
+        """The masks of a frame. bones: (b, 6) float32, root space. keys: (m,) values. gain, strength (one per pose):
+        those of the rig if None. Raises UserError."""
         keys = _no_values() if keys is None else keys
         gain = self.rig.gain if gain is None else gain
         strength = strengths(self.rig.poses) if strength is None else strength
@@ -301,19 +304,19 @@ class PoseComparison:
 
 
 def _joined(bones: np.ndarray, keys: np.ndarray) -> np.ndarray:
-    """(b + m, 6) float32: what the library takes for both."""
+    """(b + m, 6) float32: bones and keys in the format of the library."""
     values = np.zeros((len(keys), 6), np.float32)
     values[:, 0] = keys
     return np.concatenate([np.asarray(bones, np.float32).reshape(-1, 6), values])
 
 
 def _tracked(rig: PoseRig) -> list[str]:
-    """Of every element, as the library calls it."""
+    """The library's name of what is tracked, for every element."""
     return [bone.tracked for bone in rig.bones] + ["KEY"] * len(rig.keys)
 
 
 def bones_in_root_space(name: str, root: np.ndarray, bones: np.ndarray) -> np.ndarray:
-    """(b, 6) float32 heads and tails into the space of the root bone, (4, 4) in theirs. Raises UserError."""
+    """(b, 6) float32 heads and tails, transformed into the space of the root bone, (4, 4). Raises UserError."""
     try:
         return kernels.bones_in_root_space(_flat(root), _flat(bones))
     except ValueError as error:

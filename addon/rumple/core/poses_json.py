@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Reads the JSON of reference poses that poses.PoseRig.to_json() writes. The text may come from anywhere: what is not
-of the documented types and sizes is refused in a sentence. Never imports bpy."""
+"""Reads the JSON of reference poses that poses.PoseRig.to_json() writes. The text may come from anywhere, so entries
+that do not have the documented types and sizes are refused with a message. Never imports bpy."""
 from __future__ import annotations
 
 import json
@@ -13,13 +13,14 @@ from .poses import (FORMAT, FORMAT_VERSION, KEYS_VERSION, MOST_POSES, PoseRig, R
                     TrackedKey)
 
 MOST_TEXT = 64 << 20  # letters of a file
-MOST_BONES = 10_000  # as many shape keys
-LONGEST_TEXT = 1024  # letters of a name; those of poses are shorter, see PoseRig.check()
-FARTHEST = 1e9  # of a bone, object units
+MOST_BONES = 10_000  # the same limit for shape keys
+LONGEST_TEXT = 1024  # letters of a name; names of poses are shorter, see PoseRig.check()
+FARTHEST = 1e9  # largest coordinate of a bone, object units
 
 
 def from_json(text: str) -> PoseRig:
-    """What to_json() wrote; muting has become a strength of 0. Raises UserError naming what is wrong, nothing else."""
+    """The rig that to_json() wrote. A muted pose has a strength of 0. Raises UserError about what is wrong, and no
+    other exception."""
     data = _parsed(text)
     whole = "the reference poses"
     bones, poses = _rows(data, "bones", whole, MOST_BONES), _rows(data, "poses", whole, MOST_POSES)
@@ -92,12 +93,12 @@ def _text(data: dict[str, Any], key: str, where: str) -> str:
 
 
 def _is_utf8(value: str) -> bool:
-    """Half of a surrogate pair is no letter."""
+    """Whether the text can be encoded: half of a surrogate pair cannot."""
     return not any(0xD800 <= ord(letter) <= 0xDFFF for letter in value)
 
 
 def _file_name(data: dict[str, Any], key: str, where: str) -> str:
-    """Of a file beside the JSON: a path could lead an engine anywhere."""
+    """The name of a file beside the JSON. A path is refused, because it could lead an engine anywhere."""
     value = _text(data, key, where)
     if value in (".", "..") or any(letter in value for letter in "/\\:\0"):
         raise UserError(f"{where} cannot be read: '{key}' is not the name of a file in the same folder")

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Cloths to choose from, for every system that has some. The tooltips give the reasons.
+"""The presets of every system. The tooltips give the reasons for their values.
 
-A preset sets what any preset of its system sets, so that one takes back what another did; all other settings are the
-artist's. Never imports bpy.
+All presets of a system set the same settings, so that a preset undoes what another preset did. They do not change any
+other setting. Never imports bpy.
 """
 from __future__ import annotations
 
@@ -16,25 +16,26 @@ from .fabrics import FABRICS
 class Preset:
     """One entry of a preset menu."""
 
-    number: int  # in files: never another one
+    number: int  # stored in files, so it must never change
     label: str
     tip: str
-    values: dict[str, Any] = field(default_factory=dict)  # of the settings; defaults where another preset says more
-    fold_width: float = 1.0  # of its folds over cotton's: the length that the artist set is scaled by it
-    threshold: float = 1.0  # its distance from 1 over cotton's: that of the one that the artist set is scaled by it
-    # Of settings that are no cloth's: what they were before comes back with the next preset.
+    # values of settings; a setting that only other presets have gets its default
+    values: dict[str, Any] = field(default_factory=dict)
+    fold_width: float = 1.0  # width of its folds relative to cotton; the length that the artist set is scaled by it
+    threshold: float = 1.0  # factor on (threshold - 1) relative to cotton; the artist's threshold is scaled in this way
+    # Settings that do not describe cloth. The next preset restores their former values.
     replaced: dict[str, Any] = field(default_factory=dict)
-    old_fold_width: float | None = None  # that files scaled by which were saved before fabrics had weights
+    old_fold_width: float | None = None  # its fold_width in files from before fabrics had weights
 
 
 def touched(presets: dict[str, Preset]) -> set[str]:
-    """Names of the settings that every choice from a menu of presets sets."""
+    """Names of the settings that the presets of a menu set."""
     return {name for preset in presets.values() for name in preset.values}
 
 
 def of_fabric(number: int, label: str, tip: str, name: str, values: dict[str, Any],
               fold_width: float | None = None, old_fold_width: float | None = None, threshold: float = 1.0) -> Preset:
-    """A preset with the weight, bending length and slack of a fabric. fold_width: its own where it is not None."""
+    """A preset with the weight, bending length and slack of a fabric. fold_width: None: that of the fabric."""
     fabric = FABRICS[name]
     width = fabric.fold_width if fold_width is None else fold_width
     return Preset(number, label, tip, {**fabric.values, **values}, width, threshold, old_fold_width=old_fold_width)
@@ -62,12 +63,12 @@ MESH_PRESETS = {
                                   damping=0.0, collision="PLANE")),
 }
 
-# Of Wrinkle Maps whose object was never told what its wrinkles are: skin is held from below, and a jaw that opens wide
-# pushes a cheek together by a quarter without a fold as deep as of cloth.
+# For Wrinkle Maps on an object without wrinkle settings of its own. Skin is held from below: a wide open jaw compresses
+# a cheek by a quarter, but the folds are less deep than in cloth.
 SKIN_OF_MAPS = dict(MESH_PRESETS["SKIN"].values, radius=0.2, base_cloth="OFF")
 
-# Section 9.1 of the thesis: the compression threshold is how easily a cloth bends, the width how tightly it can be
-# squeezed.
+# Section 9.1 of the thesis: the compression threshold describes how easily a cloth bends, the width how tightly it can
+# be compressed.
 PATHS_PRESETS = {
     "COTTON": of_fabric(0, "Cotton", "Everyday folds, the measure of the others.\n"
                         "They start at the Threshold and are as wide as you set", "COTTON", {}),

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Parts of a mesh that are no cloth. They are shown as they were modelled. Buttons, buckles and pouches ride on the
-cloth around them; skin and helmets stay where they are animated. Caps that were cut from cloth ride on it as well, and
-keep to the cut. Never imports bpy."""
+"""Parts of a mesh that are not cloth, and their motion. They keep their modelled shape. Buttons, buckles and pouches
+follow the cloth around them. Skin and helmets follow the animation only. Caps that were cut from cloth follow it too,
+and stay joined at the cut. Never imports bpy."""
 from __future__ import annotations
 
 from dataclasses import dataclass
@@ -14,35 +14,35 @@ from .frame_result import Attribute, FrameResult
 from .triangles import columnwise, corner_weights, frames_of, rowwise
 from .vertices import nearest_of, places, sample_of
 
-FAR = 0.02  # of the diagonal of the cloth: what is so far from the cloth is not fixed to it
+FAR = 0.02  # distance / diagonal of the cloth: parts farther away are not attached to the cloth
 FEWEST_ANCHORS, MOST_ANCHORS = 8, 64
-FEWEST_ON_SEAM = 3  # that hold it
+FEWEST_ON_SEAM = 3  # least number of common vertices that attach a cap
 
 
 @dataclass(frozen=True)
 class RigidParts:
-    """Those of a mesh. m vertices, e edges, k polygons, c corners. Vertices are those of the mesh that they were taken
-    from."""
+    """All rigid parts of a mesh. m vertices, e edges, k polygons, c corners. Vertex numbers are those of the mesh that
+    the parts were removed from."""
 
     part: np.ndarray  # (m,) int32: number of its part
     is_skin: np.ndarray  # (parts,) bool
-    stays: np.ndarray  # (parts,) bool: where it is animated, as skin does
-    skin: OwnSkin  # all of it
+    stays: np.ndarray  # (parts,) bool: it follows the animation only, like skin
+    skin: OwnSkin  # all skin parts together
     vertex: np.ndarray  # (m,) int32
-    triangle: np.ndarray  # (m, 3) int32: a triangle of vertices that begins with it
+    triangle: np.ndarray  # (m, 3) int32: a triangle that begins with this vertex
     edges: np.ndarray  # (e, 2) int32: rows of `vertex`
-    polygon: np.ndarray  # (k,) int32, as the artist has them
+    polygon: np.ndarray  # (k,) int32, the artist's numbers
     polygon_size: np.ndarray  # (k,)
-    corner: np.ndarray  # (c,) int32, as the artist has them
+    corner: np.ndarray  # (c,) int32, the artist's numbers
     corner_vertex: np.ndarray  # (c,) int32: row of `vertex`
 
     @property
     def count(self) -> int:
-        """Of the parts."""
+        """Number of parts."""
         return len(self.is_skin)
 
     def lines(self) -> list[str]:
-        """What to say of them in the status."""
+        """Lines about the parts, for the status."""
         riding, solid, skin = (int(of.sum()) for of in (~self.stays, self.stays & ~self.is_skin, self.is_skin))
         return [line for count, line in (
             (riding, f"Rigid parts that ride on the cloth: {riding}"),
@@ -52,17 +52,17 @@ class RigidParts:
 
 @dataclass(frozen=True)
 class _Cap:
-    """A part that shares its edge with the cloth, as one that was cut from it does. The edge goes with the cloth, and
-    what is inside of it as the edge does."""
+    """A part that was cut from the cloth, so that both share an edge. The edge follows the cloth, and the rest of the
+    cap follows the edge."""
 
     part: int
-    rows: np.ndarray  # (k,) of its vertices in RigidParts
-    shares: np.ndarray  # (k, a) of its anchors, for each vertex 1 in all
+    rows: np.ndarray  # (k,) its vertices, as rows of RigidParts
+    shares: np.ndarray  # (k, a) weights of its anchors; the sum for each vertex is 1
 
 
 class AttachedParts:
-    """The rigid parts of one shown mesh, and what of the cloth around them each is fixed to: the shown vertices that
-    are nearest to it at rest. Skin, and what is far from cloth, stays where it is animated."""
+    """The rigid parts of one shown mesh, and their anchors: the shown vertices that are nearest to each part at rest.
+    Skin and parts far from cloth have no anchors. They follow the animation only."""
 
     def __init__(self, positions: np.ndarray, size: float, parts: RigidParts, shown: kernels.ShownMesh) -> None:
         """positions: (n, 3) float32 of the coarse mesh at rest. size: diagonal of the cloth. shown: of the cloth."""
@@ -86,23 +86,26 @@ class AttachedParts:
         self._anchors = np.concatenate(found)
         self._corners = shown.triangle_vertex[self._anchors]
         self._weights = corner_weights(shown)[self._anchors, :, None]
-        # How far the anchors are from the flat triangles of the coarse mesh, in the frames of these: so in every pose.
+        # Offsets of the anchors from the flat triangles of the coarse mesh, in the triangles' frames. So they are valid
+        # in every pose.
         frames, points = self._embedded(positions)
         self._from_base = rowwise(frames, shown.positions_rest[self._anchors] - points)
 
     def placed(self, animated: np.ndarray, cloth: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Where the m vertices are, and that in the frames of their triangles of the animated mesh: (m, 3) each.
+        """Positions of the m vertices, and their offsets in the frames of their triangles of the animated mesh: (m, 3)
+        each.
 
-        animated: (n, 3) of the coarse mesh; cloth: (d, 3) of the shown one, both float32, object space. Each part is
-        moved by the rigid motion that is nearest to what moved its anchors from the animated surface, and the edge of a
-        cap on to the cut.
+        animated: (n, 3) of the coarse mesh; cloth: (d, 3) of the shown mesh, both float32, object space. Each part gets
+        the rigid motion that fits the motion of its anchors from the animated surface best. The edge of a cap is then
+        moved onto the cut.
         """
         frames, points = self._embedded(animated)
         moved = self._moved(animated, points + columnwise(frames, self._from_base), cloth[self._anchors])
         return moved, rowwise(frames_of(animated, self.parts.triangle), moved - animated[self.parts.vertex])
 
     def displacements(self, animated: np.ndarray, over: np.ndarray) -> np.ndarray:
-        """(m, 3): how far the parts go with the base cloth alone, (n, 3): where the shown mesh is not made."""
+        """(m, 3): displacements by the base cloth alone, for frames without a shown mesh. over: (n, 3) the base
+        cloth."""
         moved = self._moved(animated, self._embedded(animated)[1], self._embedded(over)[1])
         return moved - animated[self.parts.vertex]
 
@@ -119,14 +122,15 @@ class AttachedParts:
 
     def add_to(self, result: FrameResult, animated: np.ndarray, corners: int,
                attributes: tuple[Attribute, ...]) -> None:
-        """Append the parts to the picture of the cloth. corners: of the whole shown mesh."""
+        """Append the parts to the result of the cloth. corners: of the whole shown mesh."""
         positions, local_offset = self.placed(animated, result.positions)
         rest = FrameResult.at_rest(positions, len(self.parts.corner_vertex), attributes).attributes
         result.positions = np.concatenate([result.positions, positions])
         result.local_offset = np.concatenate([result.local_offset, local_offset])
         for a in attributes:
             values = result.attributes[a.name]
-            if a.domain == "POINT" or len(values) < corners:  # corners that nothing was solved for are there already
+            # else the values already include the corners of the rigid parts
+            if a.domain == "POINT" or len(values) < corners:
                 result.attributes[a.name] = np.concatenate([values, rest[a.name]])
 
     def _embedded(self, positions: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -136,19 +140,19 @@ class AttachedParts:
 
 
 def _around(seam: np.ndarray, cloth: np.ndarray) -> np.ndarray:
-    """The rows of the cloth that a part is fixed to which was cut from it, as a cap is: all along the cut."""
+    """The rows of the cloth that are anchors of a cap: vertices all along the cut."""
     return np.unique(nearest_of(sample_of(seam, MOST_ANCHORS), cloth, np.arange(len(cloth)))[0])
 
 
 def _shares(points: np.ndarray, anchors: np.ndarray) -> np.ndarray:
-    """(k, a) float32: the nearer an anchor is to a point, the more (Shepard 1968); for each point 1 in all."""
+    """(k, a) float32: weights of anchors by inverse distance (Shepard 1968). The sum for each point is 1."""
     squared = ((points[:, None].astype(np.float64) - anchors[None]) ** 2).sum(2)
     near = 1.0 / np.maximum(squared, 1e-6 * squared.max() + 1e-30)
     return (near / near.sum(1, keepdims=True)).astype(np.float32)
 
 
 def _anchors(part: np.ndarray, cloth: np.ndarray, size: float) -> np.ndarray:
-    """The rows of the cloth that a part is fixed to. size: of the garment."""
+    """The rows of the cloth that are anchors of a part. size: of the garment."""
     centre = part.mean(0)
     radius = float(np.linalg.norm(part - centre, axis=1).max())
     distance = np.linalg.norm(cloth - centre, axis=1)

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Everything an artist can set: default, range, unit and tooltip, once.
+"""The settings of every system: default, range, unit and tooltip, each defined only here.
 
-The Blender properties are made from these fields (blender/objects/properties.py) and the native settings are
-filled from them (core/wrinkle_mesh.py and the other systems), so a setting is written in one place.
+The Blender properties are made from these fields (blender/objects/properties.py), and the native settings are filled
+from them (core/wrinkle_mesh.py and the other systems).
 """
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ COLLISIONS = (
 
 @dataclass
 class AdaptiveRest:
-    """Reference triangles (chapter 4 of the Wrinkle Paths' thesis): the same words in every system."""
+    """Settings of adaptive rest shapes (chapter 4 of the Wrinkle Paths' thesis), the same in every system."""
 
     reference: str = setting("REST", "Starts From", "What counts as unwrinkled before anything has lasted",
                              choices=STARTS_FROM)
@@ -64,33 +64,34 @@ class AdaptiveRest:
     growth: float = setting(1.05, "Growth", "How much longer than at rest the unwrinkled shape may become, as a factor",
                             low=1.0, high=10.0)
 
-    # self: of a system: rest_shape, stateless and base_cloth are its own.
+    # self: the settings of a system, which define rest_shape, stateless and base_cloth.
     @property
     def adapts(self: Any) -> bool:
-        """Whether what is measured against changes with time. Frames on their own have no time: rest pose."""
+        """Whether the rest shape changes with time. Independent frames have no time, so they use the rest pose."""
         return self.rest_shape == "ADAPTIVE" and not self.stateless
 
     @property
     def sees_ahead(self: Any) -> bool:
-        """Whether a bake may look at the whole clip first. What a base cloth will be is not known before it is
-        solved."""
+        """Whether a bake may analyse the whole clip first. It cannot with a base cloth, because the positions of the
+        cloth are not known before it is solved."""
         return self.adapts and self.base_cloth == "OFF"
 
     def fill_reference(self, options: Any) -> None:
-        """Set what native settings have of it."""
+        """Copy these settings into native settings."""
         for name in ("window", "relaxation", "growth"):
             setattr(options, name, getattr(self, name))
         options.reference = self.reference if self.adapts else "STATIC_REST"
 
 
 def reference_settings(settings: Any) -> tuple[str, ...]:
-    """Those of what adapts that have an effect as they are set, in the order of panels. settings: of Wrinkle Paths, or
-    with an adaptive rest shape; the dataclass, or what Blender has of it."""
+    """Names of the settings of adaptive rest shapes that currently have an effect, in the order of panels. settings: of
+    Wrinkle Paths, or with an adaptive rest shape; the dataclass or Blender's property group."""
     if settings.stateless:
         return ()
     relaxation = () if settings.reference == "STATIC_REST" else ("relaxation",)
     growth = ("growth",) if settings.reference == "REST" else ()
-    return ("reference", *relaxation, *growth, "window")  # with the rest shape, folds still turn where cloth is moved
+    # also needed with STATIC_REST, because folds turn as cloth moves
+    return ("reference", *relaxation, *growth, "window")
 
 
 LAYERS = (
@@ -101,7 +102,7 @@ LAYERS = (
 
 @dataclass
 class Parts:
-    """What of a mesh is cloth: the same words in every system."""
+    """Settings about which parts of a mesh are cloth, the same in every system."""
 
     rigid_parts: bool = setting(True, "Rigid Parts", "Loose parts that are small or solid, such as buttons, buckles "
                                 "and pouches, are not cloth: they keep their shape and ride on the cloth around them. "
@@ -182,7 +183,7 @@ class MeshSettings(AdaptiveRest, ClothSettings, Parts):
 
     @property
     def layered(self) -> bool:
-        """Whether there are several layers. Only subdivision makes them, and a rest shape that adapts needs one."""
+        """Whether there are several layers. They need subdivision. An adaptive rest shape supports only one layer."""
         return self.layers == "CLOTH" and self.source == "SUBDIVISION" and self.rest_shape != "ADAPTIVE"
 
     def structural(self) -> dict[str, Any]:
@@ -256,7 +257,7 @@ class FieldSettings(AdaptiveRest, Draped, ClothSettings, Parts):
                               affects="MESH")
 
     def structural(self) -> dict[str, Any]:
-        """The settings that the shown mesh is made from: in shading it is the coarse mesh itself."""
+        """The settings that the shown mesh depends on. With the output SHADING it is the coarse mesh itself."""
         names = ["output", "weld", "rigid_parts", "rest_shape"]
         if self.output == "GEOMETRY":
             names += ["wavelength", "source", "detail", "attachment"]

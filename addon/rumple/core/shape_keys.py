@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Which vertices a shape key moves, in place of skin weights. Never imports bpy."""
+"""Weights of shape keys: how much a key moves each vertex, used like skin weights. Never imports bpy."""
 from __future__ import annotations
 
 from typing import Sequence
@@ -8,13 +8,14 @@ import numpy as np
 
 from .poses import SkinWeights
 
-STILL = 0.01  # of the longest way: what moves less is a trace of sculpting, and rows of weights stay short
+# share of the longest displacement: less is a trace of sculpting, and ignoring it keeps the rows of weights short
+STILL = 0.01
 
 
 def weights_of_key(displacements: np.ndarray) -> np.ndarray:
-    """(n,) float32 from (n, 3): how far a key moves each vertex as a share of what it moves farthest, 0..1.
+    """(n,) float32 from (n, 3): the displacement of each vertex relative to the longest one, 0..1.
 
-    1 at the farthest, 0 from STILL on, linear between.
+    1 at the longest one, 0 up to STILL, linear between.
     """
     lengths = np.sqrt((displacements.astype(float) ** 2).sum(1))
     longest = lengths.max(initial=0.0)
@@ -24,7 +25,7 @@ def weights_of_key(displacements: np.ndarray) -> np.ndarray:
 
 
 def with_keys(bones: SkinWeights, keys: Sequence[np.ndarray], first: int) -> SkinWeights:
-    """Skin weights of n vertices, and behind them those of keys, (n,) each, numbered from first."""
+    """Skin weights of n vertices with the weights of keys, (n,) each, added. Keys are numbered from `first`."""
     count = len(bones.start) - 1
     vertex = [np.repeat(np.arange(count), np.diff(bones.start))]
     element, weight = [bones.bone], [bones.weight]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The mesh that is shown, in the numbering of the meshes that the artist has. Never imports bpy."""
+"""ShownMesh: the shown mesh of the library, in the numbering of the artist's meshes. Never imports bpy."""
 from __future__ import annotations
 
 from typing import Any
@@ -14,21 +14,22 @@ from .rigid_parts import AttachedParts
 class ShownMesh:
     """d vertices, q polygons, k corners, embedded in the triangles of the base.
 
-    Where the base, or what the mesh inherits from, was healed, that is undone here: parents are elements of the
-    artist's meshes, and faces that lie on others are shown as well. Rigid parts of the base come last, as they are.
+    If the base or the source was healed, this class translates back: parents are elements of the artist's meshes, and
+    faces that lie on others are shown too. Rigid parts of the base come last, unchanged.
     """
 
     base: BaseMesh  # healed
-    source: BaseMesh  # what it inherits from: the base, or an artist's own mesh; healed
+    source: BaseMesh  # the mesh that it is made from: the base, or an artist's own mesh; healed
     shown: Any  # native
-    ATTRIBUTES: tuple[Attribute, ...]  # what it carries for shaders and nodes
-    _copied_in: tuple[Any, list[tuple[np.ndarray, np.ndarray, np.ndarray]]] = (None, [])  # a native mesh: see _copied()
+    ATTRIBUTES: tuple[Attribute, ...]  # attributes for shaders and nodes
+    # native mesh, and the result of _copied() for it
+    _copied_in: tuple[Any, list[tuple[np.ndarray, np.ndarray, np.ndarray]]] = (None, [])
 
-    _attached_to: tuple[Any, AttachedParts | None] = (None, None)  # a native mesh: see attached_parts
+    _attached_to: tuple[Any, AttachedParts | None] = (None, None)  # native mesh, and attached_parts for it
 
     @property
     def attached_parts(self) -> AttachedParts | None:
-        """The rigid parts; None where there are none."""
+        """The rigid parts; None if there are none."""
         if self.base.rigid is None:
             return None
         if self._attached_to[0] is not self.shown:
@@ -38,7 +39,7 @@ class ShownMesh:
 
     @property
     def coarse_count(self) -> int:
-        """Vertices of the coarse mesh as the artist has it."""
+        """Number of vertices of the artist's coarse mesh."""
         origin = self.base.origin
         return len(self.base.positions) if origin is None else origin.vertex_count
 
@@ -87,7 +88,7 @@ class ShownMesh:
 
     @property
     def edge_parent(self) -> np.ndarray:
-        """(e, 2) vertices of that edge, ascending."""
+        """(e, 2) vertices of these edges of the source, ascending."""
         if self.source.origin is None:
             return self.shown.edge_sources
         parents, rigid = self.shown.edge_sources, self.base.rigid
@@ -105,12 +106,12 @@ class ShownMesh:
 
     @property
     def barycentric(self) -> np.ndarray:
-        """(d, 2) weights of the second and third of them."""
+        """(d, 2) weights of the second and third of these vertices."""
         weights, rigid = self.shown.barycentric, self.base.rigid
         return weights if rigid is None else np.concatenate([weights, np.zeros((len(rigid.vertex), 2), np.float32)])
 
     def coarse_triangles(self) -> tuple[np.ndarray, np.ndarray]:
-        """Of every solved coarse triangle its corners, (t, 3), and its polygon, (t,), as the artist has them."""
+        """For every solved coarse triangle its corners, (t, 3), and its polygon, (t,), in the artist's numbering."""
         corners = self.base.triangle_corner
         polygons = (np.searchsorted(self.base.polygon_start, corners[:, 0], side="right") - 1).astype(np.int32)
         origin = self.base.origin
@@ -139,12 +140,13 @@ class ShownMesh:
         return np.concatenate(parts)
 
     def on_corners(self, values: np.ndarray) -> np.ndarray:
-        """(corners of the solved fine mesh, ...) -> (k, ...): faces that lie on others have the values of those."""
+        """(corners of the solved fine mesh, ...) -> (k, ...). Faces that lie on others get the values of the faces
+        below."""
         copied = self._copied()
         return np.concatenate([values, *(values[rows] for _, _, rows in copied)]) if copied else values
 
     def _copied(self) -> list[tuple[np.ndarray, np.ndarray, np.ndarray]]:
-        """Of each group of copies: the native polygons that are shown again, their parents, and their corners."""
+        """For each group of copies: the native polygons that are shown again, their parents, and their corners."""
         if self.source.origin is None or not self.source.origin.copies:
             return []
         if self._copied_in[0] is not self.shown:
@@ -162,8 +164,8 @@ class ShownMesh:
 
 
 class ViewportMesh(ShownMesh):
-    """The mesh of viewports, where it has fewer unsolved subdivisions than that of renders: the same folds on fewer
-    vertices."""
+    """The mesh of viewports, if it has fewer unsolved subdivisions than the mesh of renders. It shows the same folds
+    with fewer vertices."""
 
     def __init__(self, base: BaseMesh, source: BaseMesh, shown: Any, attributes: tuple[Attribute, ...]) -> None:
         """shown: native."""

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Skin in the mesh of its clothes, as characters of games have it: head, arms and feet, or a whole body, and the hair
-on it. It is no cloth: it stays where it is animated, and cloth stays outside of it. Shoes are none, either. Never
-imports bpy.
+"""Finds skin in the mesh of its clothes, as in characters of games: head, arms and feet, or a whole body, and its hair.
+Skin is not cloth: it follows the animation, and cloth stays outside of it. Shoes are not cloth either. Never imports
+bpy.
 """
 from __future__ import annotations
 
@@ -15,36 +15,38 @@ from .measured_parts import NEAR, MeasuredParts
 from .triangles import vertex_normals
 from .vertices import MOST, nearest_of, sample_of, samples_of
 
-GARMENT, HAND = 0.15, 0.08  # of the diagonal of the mesh: no garment is smaller, and no skin but what is on skin
-UNDER = 0.5  # of a border: it ends under other parts that are near
-FLAT = 0.3  # of its area: as much of a sheet looks one way, 0.4 and more; of a head 0.23, of an arm 0.05
-THICK = 0.015  # volume over area^1.5: a body has 0.03, an arm 0.06, a jacket with an inside 0.008
-LEAST_AREA = 0.03  # of the mesh: with less skin it is a garment with a hat or a shoe
-OF_BORDER = 12  # vertices at most of a border that are looked at
-OF_PARTS, LEAST_OF_PART, MOST_OF_PART = 20_000, 4, 64  # vertices of all parts that may lie on skin, and of one of them
-MOST_PARTS = 64  # the largest that are asked whether they are skin
-WHOLE = 0.75  # of that diagonal: what has no opening is no smaller, or it is a bag
-CAPPED, ENDS_IN_IT = 0.3, 2  # of that diagonal, and borders of others that end in it: a garment with caps
+GARMENT, HAND = 0.15, 0.08  # least diagonal / the mesh's, of a garment and of skin, except for parts that lie on skin
+UNDER = 0.5  # share of a border that must be under other near parts
+FLAT = 0.3  # share of the area that faces one way: a sheet has 0.4 and more, a head 0.23, an arm 0.05
+THICK = 0.015  # least volume / area^1.5: a body has 0.03, an arm 0.06, a jacket with an inner side 0.008
+LEAST_AREA = 0.03  # least share of skin in the mesh's area: with less, it is a garment with a hat or a shoe
+OF_BORDER = 12  # largest number of vertices of a border that are tested
+# tested vertices: of all parts that may lie on skin; at least and at most of one part
+OF_PARTS, LEAST_OF_PART, MOST_OF_PART = 20_000, 4, 64
+MOST_PARTS = 64  # how many parts are tested for skin, the largest ones
+WHOLE = 0.75  # least diagonal / the mesh's of skin without an opening: a smaller closed part is a bag
+# of a garment with caps: least diagonal / the mesh's; borders of other parts that end in it
+CAPPED, ENDS_IN_IT = 0.3, 2
 
 
 class Kinds(NamedTuple):
-    """Which parts of a figure with clothes are what; none is any of it in a mesh without skin, or without a garment."""
+    """The kinds of the parts of a dressed figure. All are False in a mesh without skin or without a garment."""
 
     skin: np.ndarray  # (parts,) bool
-    limbs: np.ndarray  # (parts,) bool: of the skin, what has a body's shape
-    shoes: np.ndarray  # (parts,) bool: what has a body's shape, and is neither skin nor a garment
+    limbs: np.ndarray  # (parts,) bool: skin with the shape of a body
+    shoes: np.ndarray  # (parts,) bool: the shape of a body, but neither skin nor a garment
     garments: np.ndarray  # (parts,) bool
-    capped: np.ndarray  # (parts,) bool: of these, those whose openings are closed
+    capped: np.ndarray  # (parts,) bool: garments whose openings are closed by caps
 
     @classmethod
     def none(cls, parts: int) -> "Kinds":
-        """Of so many parts, where none is any of it."""
+        """All False, for this number of parts."""
         return cls(*(np.zeros(parts, bool) for _ in cls._fields))
 
 
 def find_skin(base: BaseMesh, found: MeasuredParts, part: np.ndarray, small: np.ndarray) -> Kinds:
-    """found: of measured(). part: (n,) of the vertices, as connected.py has them. small: (parts,) bool of those that
-    are rigid because they are small. Cost: about 0.2 s for 50,000 vertices, less where none is skin."""
+    """The kinds of all parts. found: from measured(). part: (n,) the part of each vertex, see connected.py. small:
+    (parts,) bool: rigid because they are small. Cost: about 0.2 s for 50,000 vertices, less if none is skin."""
     whole = found.whole
     openings = np.array([len(own) for own in found.openings])
     counts = (found.area > 0.0) & ~small
@@ -68,8 +70,8 @@ def find_skin(base: BaseMesh, found: MeasuredParts, part: np.ndarray, small: np.
 
 def _ends_under(base: BaseMesh, openings: list[list[np.ndarray]], asked: np.ndarray, samples: dict[int, np.ndarray],
                 near: float) -> np.ndarray:
-    """(parts,) bool: whether a part is asked about, and all its borders end under others. Skin does, as cloth ends over
-    it. samples: of the vertices of each part."""
+    """(parts,) bool: which of the asked parts have all their borders under other parts. This is true for skin, because
+    cloth overlaps it. samples: some vertices of each part."""
     ends = np.zeros(len(asked), bool)
     normals = vertex_normals(base.positions, base.triangles)
     every = np.concatenate(list(samples.values()))
@@ -93,7 +95,7 @@ def _is_under(positions: np.ndarray, normals: np.ndarray, border: np.ndarray, ot
 
 def _lies_on_skin(positions: np.ndarray, part: np.ndarray, asked: np.ndarray, skin: np.ndarray,
                   garment: np.ndarray) -> np.ndarray:
-    """(parts,) bool: whether a part is asked about, and nearer to skin than to garments."""
+    """(parts,) bool: which of the asked parts are nearer to skin than to garments."""
     to_skin, to_garment = (sample_of(np.flatnonzero(chosen[part]), MOST) for chosen in (skin, garment))
     nearer = np.zeros(len(asked), bool)
     most = min(max(OF_PARTS // max(int(asked.sum()), 1), LEAST_OF_PART), MOST_OF_PART)

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What cloth that swings meets in the world: where it stands, and the force fields there. Never imports bpy.
+"""The surroundings of swinging cloth: the place of its object, and the force fields. Never imports bpy.
 
-Blender's Python tells no effector's force, so what its force fields do is done by the library, as Blender's effect.c
-does it. A wind that blows everywhere alike is one velocity for the whole garment; all others act on every vertex.
+Blender's Python API does not give the force of a force field. So the library computes it as Blender's effect.c does. A
+wind that is the same everywhere is one velocity for the whole garment. All other fields act on every vertex.
 """
 from __future__ import annotations
 
@@ -19,12 +19,12 @@ Vector = tuple[float, float, float]
 
 @dataclass(frozen=True)
 class Field:
-    """A force field, by the names of the library's. Lengths in Blender's units, world space."""
+    """A force field, with the names of the library's struct. Lengths in Blender's units, world space."""
 
     kind: str  # WIND, FORCE, VORTEX, HARMONIC, DRAG, TURBULENCE
     location: Vector
-    axis: Vector  # Z of its object, of any length
-    strength: float = 1.0  # WIND: m/s, below 0 against its axis
+    axis: Vector  # Z axis of its object, any length
+    strength: float = 1.0  # WIND: m/s; negative: against its axis
     shape: str = "POINT"
     falloff: str = "SPHERE"
     side: str = "BOTH"
@@ -44,19 +44,19 @@ class Field:
 
     @property
     def acts(self) -> bool:
-        """Not what has no direction or is not finite."""
+        """Whether it has an effect: it needs a direction, and all numbers must be finite."""
         numbers = [value for value in (*self.location, *self.axis, *astuple(self)) if isinstance(value, (int, float))]
         return any(self.axis) and all(map(math.isfinite, numbers))
 
     @property
     def is_uniform(self) -> bool:
-        """A wind that blows alike everywhere and at all times."""
+        """Whether it is a wind that is the same everywhere and at all times."""
         limits = (self.power, self.noise, self.falloff != "SPHERE" and self.radial_power)
         ends = self.most is not None or (self.falloff != "SPHERE" and self.radial_most is not None)
         return self.kind == "WIND" and self.side == "BOTH" and not any(limits) and not ends
 
     def array(self) -> np.ndarray:
-        """All that it is, for digests."""
+        """All its values, for digests."""
         names = (self.kind, self.shape, self.falloff, self.side)
         numbers = [-1.0 if value is None else float(value) for value in astuple(self)[3:]
                    if not isinstance(value, str)]
@@ -64,7 +64,7 @@ class Field:
                              np.uint8)
 
     def native(self) -> kernels.ForceField:
-        """As the library takes it."""
+        """As a struct of the library."""
         out = kernels.ForceField()
         for name in ("kind", "shape", "falloff", "side", "location", "axis", "strength", "damping", "size", "flow",
                      "noise", "seed", "power", "least", "radial_power", "radial_least", "inverse_square",
@@ -79,16 +79,16 @@ class Field:
 
 @dataclass(frozen=True)
 class Surroundings:
-    """Of a garment in one frame."""
+    """The surroundings of a garment in one frame."""
 
     location: Vector = (0.0, 0.0, 0.0)  # of the object's origin, world space, Blender's units
-    wind: Vector = (0.0, 0.0, 0.0)  # velocity of the air, world space, m/s, of winds that blow everywhere alike
-    fields: tuple[Field, ...] = ()  # all others
-    frame: int = 0  # where noise makes them differ from frame to frame
+    wind: Vector = (0.0, 0.0, 0.0)  # velocity of the air by uniform winds, world space, m/s
+    fields: tuple[Field, ...] = ()  # all other fields
+    frame: int = 0  # frame number, if noise changes the fields from frame to frame
     not_felt: tuple[str, ...] = ()  # names of objects with fields that do not act on cloth, for the panel
 
     def array(self) -> np.ndarray:
-        """All that it is, for digests."""
+        """All its values, for digests."""
         place = np.array((self.location, self.wind), np.float64)
         if not self.fields:
             return place
@@ -96,13 +96,13 @@ class Surroundings:
                                *(field.array() for field in self.fields)])
 
     def effects(self, positions: np.ndarray) -> kernels.FieldEffects:
-        """Of the fields. positions: (p, 3) float32, world space, Blender's units."""
+        """The effects of the fields at points. positions: (p, 3) float32, world space, Blender's units."""
         return kernels.evaluate_force_fields([field.native() for field in self.fields], self.frame, positions)
 
 
 def surroundings_of(location: Vector, frame: int, fields: Iterable[Field], drag: float,
                     not_felt: tuple[str, ...] = ()) -> Surroundings:
-    """Of a garment at a place. drag: of the cloth's settings; without it no wind counts."""
+    """The surroundings of a garment at a place. drag: of the cloth's settings; if it is 0, winds have no effect."""
     fields = [field for field in fields if field.acts and not (field.kind == "WIND" and drag == 0.0)]
     others = tuple(field for field in fields if not field.is_uniform)
     return Surroundings(location, air_velocity(field for field in fields if field.is_uniform), others,
@@ -110,12 +110,12 @@ def surroundings_of(location: Vector, frame: int, fields: Iterable[Field], drag:
 
 
 def _bounded(number: float) -> float:
-    """The library refuses what is farther out."""
+    """The number, limited to what the library accepts."""
     return min(max(number, -1e9), 1e9)
 
 
 def air_velocity(winds: Iterable[Field]) -> Vector:
-    """Of all of them together, m/s. Of winds that blow everywhere alike."""
+    """The sum of uniform winds, m/s."""
     x, y, z = sum((wind.strength / math.hypot(*wind.axis) * np.array(wind.axis) for wind in winds),
                   np.zeros(3)).tolist()
     return x, y, z

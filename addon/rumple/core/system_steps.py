@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What tells a system from another: the steps of a frame that engine.py calls. Never imports bpy."""
+"""SystemSteps: the methods that every system implements, and that engine.py calls in a frame. Never imports bpy."""
 from __future__ import annotations
 
 from typing import Any
@@ -12,60 +12,60 @@ from .frame_input import FrameInput
 from .frame_result import COMMON_ATTRIBUTES, Attribute, FrameResult, PreviewFrame
 from .shown_mesh import ShownMesh
 
-Pose = FramePose | np.ndarray  # of a frame; or positions, where the library makes poses of them
+Pose = FramePose | np.ndarray  # the pose of a frame; or positions, from which the library makes a pose
 
 
 class SystemSteps(ShownMesh):
-    """Settings, poses, states and reports are of a system's own classes: here they are Any."""
+    """Every system has its own classes of settings, poses, states and reports. Here their type is Any."""
 
     ATTRIBUTES: tuple[Attribute, ...] = COMMON_ATTRIBUTES
-    SUGGESTED = "wavelength"  # the setting that suits the mesh when wrinkles are added: see suggested_length()
-    HEIGHTS: tuple[str, ...] = ()  # attributes that say how high folds are, scaled with them
-    HEIGHT_PAINT = ""  # paint that keeps folds off: where empty, what is solved is made flat
-    HAS_CURVES = False  # whether curves() has something to say
-    previewed = True  # whether a preview that draws wrinkles by itself draws these as they are
+    SUGGESTED = "wavelength"  # the setting that is adapted to the mesh when wrinkles are added: see suggested_length()
+    HEIGHTS: tuple[str, ...] = ()  # attributes that contain the height of folds, and are scaled with them
+    HEIGHT_PAINT = ""  # paint that reduces folds in the solve; empty: the solved result is flattened instead
+    HAS_CURVES = False  # whether it implements curves()
+    previewed = True  # whether the GPU preview draws these wrinkles correctly
 
-    # --- for others
+    # --- for other modules
     @staticmethod
     def suggested_length(base: BaseMesh, unit_scale: float) -> float:
-        """Value of the setting SUGGESTED, in metres, that suits a mesh as it is; unit_scale: metres per object unit."""
+        """A value of the setting SUGGESTED, in metres, that suits the mesh. unit_scale: metres per object unit."""
         raise NotImplementedError
 
     def measure_frame(self, frame: float, positions: np.ndarray, settings: Any) -> Any:
-        """What a system can say of a stored frame in numbers; None where there is nothing."""
+        """The measures of a stored frame; None if the system has none."""
         return None
 
     def curves(self, frame: float, positions: np.ndarray, settings: Any) -> Any:
-        """The folds of a solved frame as curves (see curve_rows.py). positions: as they were solved."""
+        """The folds of a solved frame as curves (see curve_rows.py). positions: as in the solve."""
         raise NotImplementedError
 
     def curve_points(self, settings: Any) -> float:
-        """About how many points its curves have when it is folded all over."""
+        """The approximate number of points of the curves if the whole garment is folded."""
         raise NotImplementedError
 
     # --- for the engine
     def _status(self, report: Any) -> list[str]:
-        """Of what the system reports."""
+        """Lines for the artist about the system's report."""
         raise NotImplementedError
 
     def _may_wait(self, settings: Any, frame_input: FrameInput) -> bool:
-        """Whether a preview shows the frame without its state."""
+        """Whether the preview can show the frame without its state, so that the solve may wait."""
         return False
 
     def _keeps_off_bodies(self) -> bool:
-        """Whether it sees itself to what is worn under the base cloth."""
+        """Whether the system itself keeps its wrinkles off bodies under the base cloth."""
         return False
 
     def _where_solved(self, values: np.ndarray) -> np.ndarray:
-        """(n,) of the base's vertices -> of the vertices that are solved on."""
+        """Values (n,) of the base's vertices -> values of the solved vertices."""
         return values
 
     def _positions_solved(self, positions: np.ndarray) -> np.ndarray:
-        """(n, 3) float32 of the deformed base -> of the vertices that are solved on."""
+        """(n, 3) float32 of the deformed base -> positions of the solved vertices."""
         return positions
 
     def _reads_world(self, settings: Any) -> bool:
-        """Whether the solve depends on where the object stands in the world."""
+        """Whether the solve depends on the object's place in the world."""
         return False
 
     def _reads_time(self, settings: Any) -> bool:
@@ -73,7 +73,7 @@ class SystemSteps(ShownMesh):
         return False
 
     def _native_settings(self, settings: Any) -> Any:
-        """As native solves take them."""
+        """The native settings."""
         raise NotImplementedError
 
     def _take_paint(self, paint: dict[str, np.ndarray]) -> Any:
@@ -81,20 +81,21 @@ class SystemSteps(ShownMesh):
         raise NotImplementedError
 
     def _pose(self, positions: np.ndarray, frame_input: FrameInput) -> Pose:
-        """What the system makes of the positions that the wrinkles lie on: made once a frame, for all that follows."""
+        """The system's pose of the positions under the wrinkles. It is made once per frame, for all later steps."""
         raise NotImplementedError
 
     def _solve(self, settings: Any, pose: Any, before: Any, same_settings: bool,
                frame_input: FrameInput) -> tuple[Any, Any]:
-        """(state, report) from the state of the frame before; same_settings: it was solved with these."""
+        """(state, report). before: the state of the frame before. same_settings: it was solved with the same
+        settings."""
         raise NotImplementedError
 
     def _show(self, settings: Any, positions: np.ndarray, pose: Any, state: Any,
               frame_input: FrameInput) -> FrameResult:
-        """positions: what the pose was made of."""
+        """The result of a solved frame. positions: from which the pose was made."""
         raise NotImplementedError
 
     def _preview(self, settings: Any, positions: np.ndarray, pose: Any, state: Any,
                  frame_input: FrameInput) -> FrameResult | PreviewFrame:
-        """Where the viewport can draw frames by itself."""
+        """The frame for a viewport that draws the wrinkles itself, if the system supports this."""
         raise NotImplementedError

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The systems by the name of their method: the one list that Blender's side goes by."""
+"""The list of all systems, by the name of their method. The Blender layer uses only this list."""
 from __future__ import annotations
 
 from dataclasses import dataclass, field
@@ -19,10 +19,10 @@ class System:
     method: str
     label: str
     tip: str
-    group: str  # where its settings are: object.rumple.<group>
+    group: str  # its settings are in object.rumple.<group>
     settings: type
     wrinkles: type[Wrinkles]
-    presets: dict[str, Preset] = field(default_factory=dict)  # the first is the one of the default settings
+    presets: dict[str, Preset] = field(default_factory=dict)  # the first one has the default settings
 
 
 SYSTEMS: dict[str, System] = {system.method: system for system in (

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Turning vectors by a matrix of three rows, term by term. NumPy leaves `@` and `linalg` to libraries that add in
-another order, or round less often, on another processor: machines of a farm would not agree to the bit. Never imports
-bpy."""
+"""Products of small matrices and vectors, term by term, with the same bits on every processor. NumPy's `@` and `linalg`
+use libraries whose order of additions and rounding depends on the processor. The machines of a farm would then get
+different bits. Never imports bpy."""
 from __future__ import annotations
 
 import math
@@ -9,14 +9,14 @@ import math
 import numpy as np
 
 JACOBI_ROUNDS = 6
-FITS = 8  # of affine_between()
-FITTING = 1e-4  # of the size: how near points come that an affine map moved
-SIMILAR = 1e-3  # of scale_of(): between the axes
-FLAT, TINY = 1e-10, 1e-30  # of the largest moment; of an area
+FITS = 8  # number of fits in affine_between()
+FITTING = 1e-4  # distance / size: how exactly an affine map must fit the points
+SIMILAR = 1e-3  # relative difference between the axes that scale_of() accepts
+FLAT, TINY = 1e-10, 1e-30  # relative to the largest moment; of an area
 
 
 def turned(matrix: np.ndarray, vectors: np.ndarray) -> np.ndarray:
-    """(n, 3) of (n, 3): each is M x. matrix: (3, 3)."""
+    """M x for each row x of (n, 3). matrix: (3, 3)."""
     return vectors[:, :1] * matrix[:, 0] + vectors[:, 1:2] * matrix[:, 1] + vectors[:, 2:] * matrix[:, 2]
 
 
@@ -26,31 +26,31 @@ def turned_one(matrix: np.ndarray, vector: np.ndarray) -> np.ndarray:
 
 
 def product(left: np.ndarray, right: np.ndarray) -> np.ndarray:
-    """(3, 3)"""
+    """Left times right, (3, 3)."""
     return turned(left, right.T).T
 
 
 def placed(matrix: np.ndarray, points: np.ndarray) -> np.ndarray:
-    """(n, 3) points in the space that a matrix of four rows, or three, leads to."""
+    """(n, 3) points, transformed by an affine matrix of three or four rows."""
     return turned(matrix[:3, :3], points) + matrix[:3, 3]
 
 
 def determinant(matrix: np.ndarray) -> float:
-    """Of (3, 3)."""
+    """The determinant of (3, 3)."""
     first = matrix[0].astype(np.float64).tolist()
     return sum(entry * cofactor for entry, cofactor in zip(first, _cofactors(matrix)[0]))
 
 
 def inverse(matrix: np.ndarray) -> np.ndarray:
-    """(3, 3) float64, of one whose determinant is not 0."""
+    """The inverse, (3, 3) float64. The determinant must not be 0."""
     return (np.array(_cofactors(matrix)) / determinant(matrix)).T
 
 
 def principal_axes(matrices: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Eigenvalues, rising, and unit eigenvectors in columns, of symmetric matrices: (k, 3), (k, 3, 3) of (k, 3, 3).
+    """Ascending eigenvalues, (k, 3), and unit eigenvectors in columns, (k, 3, 3), of symmetric matrices (k, 3, 3).
 
-    By the rotations of Jacobi 1846, which each bring one number off the diagonal to zero; after six rounds nothing that
-    a float64 shows is left there. The signs of the vectors are any.
+    By the rotations of Jacobi 1846. Each makes one number off the diagonal zero. After six rounds all of them are zero
+    in float64 precision. The signs of the vectors are arbitrary.
     """
     values, axes = matrices.astype(np.float64), np.tile(np.eye(3), (len(matrices), 1, 1))
     for p, q in ((0, 1), (0, 2), (1, 2)) * JACOBI_ROUNDS:
@@ -71,23 +71,25 @@ def principal_axes(matrices: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def length(vector: np.ndarray) -> float:
-    """Of (3,)."""
+    """The length of (3,)."""
     x, y, z = map(float, vector)
     return math.sqrt(x * x + y * y + z * z)
 
 
 def _cofactors(matrix: np.ndarray) -> list[list[float]]:
     """3 rows of 3: row k is the cross product of the other two rows, in their order."""
-    a = matrix.astype(np.float64).tolist()  # floats of Python: a third of the time of NumPy's
+    a = matrix.astype(np.float64).tolist()  # Python's floats take a third of the time of NumPy's
     return [[a[i][k] * a[j][m] - a[i][m] * a[j][k] for k, m in ((1, 2), (2, 0), (0, 1))]
             for i, j in ((1, 2), (2, 0), (0, 1))]
 
 
 def affine_between(before: np.ndarray, after: np.ndarray) -> np.ndarray | None:
-    """(3, 4): what moved most of (n, 3) points to (n, 3) others. None where no affine map did, or they are where they
-    were. Points in a plane are taken for a solid as thick as they are wide, which is turned and scaled with it.
+    """The affine map (3, 4) that moved most of the (n, 3) points to (n, 3) others. None if no affine map fits, or if
+    the points did not move. Points in a plane are treated as a solid as thick as it is wide, which is rotated and
+    scaled.
 
-    Least squares, again over the half that it fits best: the others may have been edited beside.
+    It is a least-squares fit, repeated with the half of the points that fits best, because the others may have been
+    edited.
     """
     if not len(before) or not (np.isfinite(before).all() and np.isfinite(after).all()):
         return None
@@ -103,8 +105,8 @@ def affine_between(before: np.ndarray, after: np.ndarray) -> np.ndarray | None:
 
 
 def scale_of(affine: np.ndarray) -> float | None:
-    """How many times as long everything is after an affine map (3, 4) that turns and scales. None where it scales by
-    axes, mirrors or shears."""
+    """The scale of an affine map (3, 4) that rotates and scales uniformly. None if it scales the axes differently,
+    mirrors or shears."""
     squares = turned(affine[:, :3].T, affine[:, :3].T)
     scale = math.sqrt(max(float(squares[0, 0] + squares[1, 1] + squares[2, 2]) / 3.0, 0.0))
     mirrors = determinant(affine[:, :3]) <= 0.0
@@ -112,7 +114,7 @@ def scale_of(affine: np.ndarray) -> float | None:
 
 
 def redirected(affine: np.ndarray, vectors: np.ndarray) -> np.ndarray:
-    """(n, 3) of (n, 3): as long as they were, turned as an affine map (3, 4) turns them."""
+    """Vectors (n, 3) in the direction that an affine map (3, 4) gives them, with their lengths unchanged."""
     directions = turned(affine[:, :3], vectors)
     lengths = np.sqrt((directions**2).sum(axis=1, keepdims=True))
     return directions * np.sqrt((vectors**2).sum(axis=1, keepdims=True)) / np.where(lengths > 0.0, lengths, 1.0)
@@ -133,7 +135,7 @@ def _least_squares(before: np.ndarray, after: np.ndarray) -> np.ndarray:
 
 
 def _moments(left: np.ndarray, right: np.ndarray) -> np.ndarray:
-    """(3, 3): the sum of each coordinate of the one times each of the other."""
+    """(3, 3): the sums of the products of each coordinate of `left` with each of `right`."""
     return np.array([[(left[:, i] * right[:, k]).sum() for k in range(3)] for i in range(3)])
 
 
@@ -143,6 +145,6 @@ def _crossed(a: np.ndarray, b: np.ndarray) -> tuple[float, float, float]:
 
 
 def stretch_range(matrix: np.ndarray) -> tuple[float, float]:
-    """How many times as long a (3, 3) matrix makes what it shortens most, and what it lengthens most."""
+    """The smallest and the largest singular value of a (3, 3) matrix: its strongest compression and stretch."""
     squares = principal_axes(product(matrix.T, matrix)[None])[0][0]
     return math.sqrt(max(squares[0], 0.0)), math.sqrt(max(squares[2], 0.0))

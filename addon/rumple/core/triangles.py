@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Triangles: normals, frames, and values of what is embedded in them, row by row in NumPy. Never imports bpy."""
+"""Normals and frames of triangles, and interpolation in them, row by row in NumPy. Never imports bpy."""
 from __future__ import annotations
 
 from typing import Any
@@ -10,7 +10,7 @@ from .vertices import pair_keys
 
 
 def cross(one: np.ndarray, two: np.ndarray) -> np.ndarray:
-    """(m, 3): as numpy.cross has it, to the bit, and in less time."""
+    """(m, 3): the same bits as numpy.cross, in less time."""
     turns = ((1, 2), (2, 0), (0, 1))
     return np.stack([one[:, j] * two[:, k] - one[:, k] * two[:, j] for j, k in turns], axis=1)
 
@@ -18,12 +18,12 @@ def cross(one: np.ndarray, two: np.ndarray) -> np.ndarray:
 def unit(vectors: np.ndarray) -> np.ndarray:
     """(m, 3) of length 1; zero stays zero."""
     x, y, z = (vectors[:, k] for k in range(3))
-    lengths = np.sqrt(x * x + y * y + z * z)[:, None]  # einsum adds in another order on another processor
+    lengths = np.sqrt(x * x + y * y + z * z)[:, None]  # not einsum: its order of additions depends on the processor
     return np.divide(vectors, lengths, out=np.zeros_like(vectors), where=lengths > 0.0)
 
 
 def area_vectors(positions: np.ndarray, triangles: np.ndarray) -> np.ndarray:
-    """(t, 3) float64 of triangles (t, 3) of vertices (n, 3): as long as their areas, along their normals."""
+    """(t, 3) float64: normals of the triangles (t, 3), with the area as length."""
     a, b, c = (positions[triangles[:, k]].astype(np.float64) for k in range(3))
     return 0.5 * cross(b - a, c - a)
 
@@ -36,7 +36,7 @@ def vertex_normals(positions: np.ndarray, triangles: np.ndarray) -> np.ndarray:
 
 
 def at_border(triangles: np.ndarray) -> np.ndarray:
-    """(t,) bool of (t, 3) vertices: whether a corner of the triangle is on an edge that one triangle alone has."""
+    """(t,) bool: whether a corner of the triangle is on an open border. triangles: (t, 3)."""
     sides, count = np.concatenate([triangles[:, (k, (k + 1) % 3)] for k in range(3)]), int(triangles.max(initial=0)) + 1
     edges, uses = np.unique(pair_keys(sides, count), return_counts=True)
     border = np.zeros(count, bool)
@@ -46,8 +46,8 @@ def at_border(triangles: np.ndarray) -> np.ndarray:
 
 # ---------------------------------------------------------------- frames
 def frames_of(positions: np.ndarray, corners: np.ndarray) -> np.ndarray:
-    """(m, 3, 3) float32: rows t, b, n of triangles, as the node tree has them; zeros where a triangle collapsed.
-    positions: (n, 3) float32; corners: (m, 3) of them."""
+    """(m, 3, 3) float32: rows t, b, n of triangles, as in the node tree; zeros if a triangle has no area. positions:
+    (n, 3) float32; corners: (m, 3) of them."""
     origin = positions[corners[:, 0]]
     side = positions[corners[:, 1]] - origin
     t, n = unit(side), unit(cross(side, positions[corners[:, 2]] - origin))
@@ -55,7 +55,7 @@ def frames_of(positions: np.ndarray, corners: np.ndarray) -> np.ndarray:
 
 
 def rowwise(matrices: np.ndarray, vectors: np.ndarray) -> np.ndarray:
-    """(m, 3): M x. Not by a library for matrices: those give other bits on other processors."""
+    """(m, 3): M x. Not with `@`: its bits depend on the processor."""
     return (matrices * vectors[:, None, :]).sum(2)
 
 
@@ -64,16 +64,17 @@ def columnwise(matrices: np.ndarray, vectors: np.ndarray) -> np.ndarray:
     return (matrices * vectors[:, :, None]).sum(1)
 
 
-# ---------------------------------------------------------------- what is embedded
+# ---------------------------------------------------------------- embedded values
 def corner_weights(mesh: Any) -> np.ndarray:
-    """(d, 3) float32 of the three base vertices that each vertex of a shown mesh, native or ours, is embedded in."""
+    """(d, 3) float32: weights of the three base vertices that each vertex of a shown mesh is embedded in. mesh: native,
+    or a ShownMesh."""
     others = mesh.barycentric
     return np.concatenate([1.0 - others.sum(1, keepdims=True), others], 1)
 
 
 def on_shown(values: np.ndarray, mesh: Any) -> np.ndarray:
-    """(n, ...) float32 values of the base's vertices -> (d, ...) of a shown mesh, native or ours."""
-    # Not by corner_weights(): that is rounded otherwise, and what is stored and shown keeps its bits.
+    """(n, ...) float32 values of the base's vertices -> (d, ...) of a shown mesh. mesh: native, or a ShownMesh."""
+    # Not with corner_weights(), which rounds differently: stored and shown values must keep their bits.
     weight_1, weight_2 = (mesh.barycentric[:, k].reshape(-1, *[1] * (values.ndim - 1)) for k in (0, 1))
     corner_0, corner_1, corner_2 = (values[mesh.triangle_vertex[:, k]] for k in range(3))
     return (np.float32(1.0) - weight_1 - weight_2) * corner_0 + weight_1 * corner_1 + weight_2 * corner_2

@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A moving mesh as a USD stage in text (.usda), written frame by frame. No bpy here.
+"""Writes a moving mesh as a USD stage in text (.usda), frame by frame. No bpy here.
 
-Nine digits: a reader has the same 32-bit floats again (normals have five, velocities six). What varies goes to files of
-its own while it is written, since a stage has all samples of one attribute together; the stage appears by one rename.
+Numbers have nine digits, so that a reader gets the same 32-bit floats (normals have five, velocities six). A stage has
+all samples of an attribute together. So each varying attribute is first written to a file of its own. The stage appears
+by one rename.
 """
 from __future__ import annotations
 
@@ -23,28 +24,28 @@ from .clip_manifest import ClipFault
 
 @dataclass
 class Stage:
-    """What does not vary."""
+    """The parts of a stage that do not change with time."""
 
     name: str  # of the object
     start: int
     end: int
     rate: float  # frames a second
-    metres: float  # a unit
-    counts: np.ndarray  # (faces,) corners of each
+    metres: float  # per unit
+    counts: np.ndarray  # (faces,) number of corners of each face
     corners: np.ndarray  # (corners,) vertices
     scheme: str = "none"  # or catmullClark
     uvs: dict[str, np.ndarray] = field(default_factory=dict)  # (corners, 2) by name, the active one first
-    about: dict[str, str] = field(default_factory=dict)  # where it came from
+    about: dict[str, str] = field(default_factory=dict)  # its origin
 
 
 def identifier(name: str) -> str:
-    """A name that USD takes."""
+    """A valid name for USD."""
     plain = re.sub(r"\W", "_", name, flags=re.ASCII)
     return plain if plain and not plain[0].isdigit() else f"_{plain}"
 
 
 def uv_names(layers: list[str]) -> list[str]:
-    """Of their primvars: the first is `st`, and no two are alike."""
+    """Names of the primvars of UV layers: the first is `st`, and all are different."""
     names: list[str] = []
     for number, layer in enumerate(layers):
         name, again = "st" if number == 0 else identifier(layer), 1
@@ -55,7 +56,7 @@ def uv_names(layers: list[str]) -> list[str]:
 
 
 def rows(values: np.ndarray, digits: int = 9) -> str:
-    """An array: numbers, or tuples of a row each."""
+    """An array as text: numbers, or a tuple for each row."""
     flat = np.ascontiguousarray(values)
     if flat.ndim == 1:
         kind = "%d" if flat.dtype.kind in "iu" else f"%.{digits}g"
@@ -69,13 +70,13 @@ def _text(value: str) -> str:
 
 
 class StageWriter:
-    """add() every frame, then commit(); or discard(). All raise ClipFault."""
+    """Writes a stage: call add() for every frame, then commit(), or discard(). All raise ClipFault."""
 
     def __init__(self, path: Path, stage: Stage) -> None:
         clip_folder.make(path.parent, 0)
         self.path, self.stage = path, stage
         self.temporary = clip_folder.temporary(path)
-        self._samples: dict[str, IO[str]] = {}  # by declaration of the attribute
+        self._samples: dict[str, IO[str]] = {}  # key: declaration of the attribute
         self._recent: list[tuple[int, np.ndarray]] = []  # frames whose velocities are not written yet
 
     def add(self, frame: int, points: np.ndarray, normals: np.ndarray | None, world: np.ndarray,
@@ -105,7 +106,7 @@ class StageWriter:
             del self._recent[0]
 
     def _velocity(self, of: int, first: int, last: int) -> None:
-        """From the frames around it."""
+        """Write the velocity of a frame, from the frames around it."""
         (before, start), (after, end) = self._recent[first], self._recent[last]
         self._sample("vector3f[] velocities", self._recent[of][0],
                      rows((end - start) * np.float32(self.stage.rate / (after - before)), 6))
@@ -116,7 +117,7 @@ class StageWriter:
         self._samples[attribute].write(f"            {frame}: {value},\n")
 
     def commit(self) -> None:
-        """The whole stage, in place."""
+        """Write the whole stage and move it into place."""
         try:
             if len(self._recent) == 2:
                 self._velocity(1, 0, 1)
@@ -173,10 +174,11 @@ class StageWriter:
 
 
 def stem(file: str, obj: str, source: str, start: int, end: int) -> str:
-    """Of the name of a file: file, object, version by what it was made from, frames. obj: of readable_beside()."""
+    """The name of an exported file without suffix: file, object, digest of its source, frames. obj: from
+    readable_beside()."""
     return f"{clip_folder.readable(file)}-{obj}-{source[:8] or 'window'}-{start}-{end}"
 
 
 def about(**entries: Any) -> dict[str, str]:
-    """Where it came from, for Stage.about."""
+    """Entries about the origin, for Stage.about."""
     return {f"rumple_{key}": str(value) for key, value in entries.items()}

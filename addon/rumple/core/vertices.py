@@ -1,15 +1,15 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Which vertices are at one place, which are near, and some that stand for many. Never imports bpy."""
+"""Searches on vertices: equal places, nearest vertices, samples of many. Never imports bpy."""
 from __future__ import annotations
 
 import numpy as np
 
-PAIRS_AT_ONCE = 200_000  # of points and triangles, or vertices, that are held in memory
-MOST = 2000  # vertices of a part that stand for it
+PAIRS_AT_ONCE = 200_000  # pairs of points and triangles, or of vertices, that are in memory at once
+MOST = 2000  # largest sample of a part's vertices
 
 
 def places(positions: np.ndarray) -> np.ndarray:
-    """(n,) a number for each of (n, 3) vertices, the same for those at one place."""
+    """(n,) a number for each of (n, 3) vertices. Vertices at the same place have the same number."""
     found = np.arange(len(positions))
     if len(found):
         order = np.lexsort(positions.T)
@@ -19,11 +19,12 @@ def places(positions: np.ndarray) -> np.ndarray:
 
 
 def nearest_of(points: np.ndarray, positions: np.ndarray, others: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """For each point (k, 3) the nearest of some vertices of positions (n, 3), at least one, the lowest of several; and
-    how far away it is, float64. Cost: 10 ns for each pair."""
+    """For each point (k, 3) the nearest one of the vertices `others` of positions (n, 3), and its distance, float64. Of
+    several nearest ones, the first. There must be at least one. Cost: 10 ns for each pair."""
     rows, distances, places = [], [], positions[others]
     for some in np.array_split(points.astype(np.float64), len(points) * len(others) // PAIRS_AT_ONCE + 1):
-        x, y, z = (some[:, k, None] - places[:, k] for k in range(3))  # a third of the time of differences in rows
+        # takes a third of the time of row-wise differences
+        x, y, z = (some[:, k, None] - places[:, k] for k in range(3))
         squared = x * x + y * y + z * z
         rows.append(squared.argmin(1))
         distances.append(np.sqrt(squared.min(1)))
@@ -31,15 +32,15 @@ def nearest_of(points: np.ndarray, positions: np.ndarray, others: np.ndarray) ->
 
 
 def pair_keys(pairs: np.ndarray, count: int) -> np.ndarray:
-    """(k,) int64: one number for each unordered pair, (k, 2), of `count` vertices, edges above all; they rise with the
-    lower vertex, then with the higher one."""
+    """(k,) int64: a number for each unordered pair, (k, 2), of `count` vertices, for example edges. The order is by the
+    lower vertex, then by the higher one."""
     ordered = np.sort(pairs.astype(np.int64), axis=1)
     return ordered[:, 0] * count + ordered[:, 1]
 
 
 def diagonals(points: np.ndarray, part: np.ndarray, count: int) -> np.ndarray:
-    """(count,) float64: of the boxes around `count` parts of points (n, 3). part: (n,) numbers. Of a part without a
-    point: infinite."""
+    """(count,) float64: diagonals of the bounding boxes of `count` parts of points (n, 3). part: (n,) numbers. A part
+    without points has infinity."""
     low, high = np.full((count, 3), np.inf), np.full((count, 3), -np.inf)
     np.minimum.at(low, part, points)
     np.maximum.at(high, part, points)
@@ -55,10 +56,10 @@ def samples_of(part: np.ndarray, chosen: np.ndarray) -> dict[int, np.ndarray]:
 
 
 def sample_of(vertices: np.ndarray, most: int) -> np.ndarray:
-    """At most so many of the rows, evenly spread from the first to the last."""
+    """At most `most` of the rows, evenly spread from the first to the last."""
     return vertices[np.linspace(0, len(vertices) - 1, min(most, len(vertices))).astype(int)]
 
 
 def lengths(vectors: np.ndarray) -> np.ndarray:
-    """(...) float64 of (..., 3)."""
+    """Lengths (...), float64, of vectors (..., 3)."""
     return np.sqrt((vectors.astype(np.float64) ** 2).sum(-1))

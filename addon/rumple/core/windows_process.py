@@ -12,7 +12,8 @@ _ACCESS_DENIED = 5
 
 
 def is_running(process: int) -> bool:
-    """A process that has ended can still be opened while anybody has a handle of it; one of another user cannot."""
+    """Whether a process runs. An ended process can still be opened while anybody has a handle of it. A process of
+    another user cannot be opened."""
     with _opened(process) as (kernel, handle):
         if not handle:
             return ctypes.get_last_error() == _ACCESS_DENIED  # type: ignore[attr-defined]
@@ -20,8 +21,8 @@ def is_running(process: int) -> bool:
 
 
 def started(process: int) -> str:
-    """When it was made, as the system counts it; empty where that cannot be had."""
-    times = [ctypes.c_uint64() for _ in range(4)]  # FILETIME: made, ended, in the kernel, outside of it
+    """The start time of a process, in the system's units; empty if it is not available."""
+    times = [ctypes.c_uint64() for _ in range(4)]  # FILETIME: start, end, time in the kernel, time outside of it
     with _opened(process) as (kernel, handle):
         found = handle and kernel.GetProcessTimes(handle, *map(ctypes.byref, times))
     return str(times[0].value) if found else ""
@@ -29,7 +30,7 @@ def started(process: int) -> str:
 
 @contextmanager
 def _opened(process: int) -> Iterator[tuple[Any, int | None]]:
-    """The system's functions, and a handle. None: there is no such process, or it may not be opened."""
+    """The system's functions, and a handle. None: there is no such process, or access is denied."""
     kernel = ctypes.WinDLL("kernel32", use_last_error=True)  # type: ignore[attr-defined]
     kernel.OpenProcess.argtypes = ctypes.c_uint32, ctypes.c_int32, ctypes.c_uint32
     kernel.OpenProcess.restype = ctypes.c_void_p  # else the upper half of a handle is lost

@@ -1,15 +1,15 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the library says of an array, in the words of an artist: which element, what is wrong, what to do."""
+"""Translates error messages of the library for artists: which element is wrong, why, and what to do."""
 from __future__ import annotations
 
 import re
 
 
 class UserError(ValueError):
-    """Bad input, in a sentence for the artist that names the object and the first bad element."""
+    """Bad input. The message is a sentence for the artist that names the object and the first bad element."""
 
 
-# What the library says -> what the panel says. Names of arrays mean nothing to an artist.
+# Message of the library -> message in the panel, because artists do not know the names of arrays.
 SENTENCES = [(re.compile(pattern), sentence) for pattern, sentence in (
     (r"(?:next_)?positions: (vertex \d+) is not finite",
      r"\1 has no valid position in this frame (not a number): look at the shape keys, modifiers and simulations that "
@@ -61,7 +61,7 @@ SENTENCES = [(re.compile(pattern), sentence) for pattern, sentence in (
 
 
 def user_error(name: str, error: Exception) -> UserError:
-    """What the library refused of an object."""
+    """The UserError for an error of the library. name: of the object."""
     text = str(error)
     for pattern, sentence in SENTENCES:
         if pattern.match(text):

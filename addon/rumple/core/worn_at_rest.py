@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What of a body is under a garment while both are at rest. Frames are solved from it, so nothing here is left to a
-library for matrices, which rounds as the machine likes. Never imports bpy."""
+"""Finds the part of a body that is under a garment while both are at rest. Frames are solved from the result, so this
+module does not use `@` or `linalg`, whose rounding depends on the machine. Never imports bpy."""
 from __future__ import annotations
 
 import numpy as np
@@ -9,15 +9,15 @@ from .cloth import size_factor
 from .triangles import vertex_normals
 from .vertices import lengths
 
-SOME, NEAR = 200, 0.25  # vertices that are asked; of the garment's diagonal: half of them have the body as near
-CLOTH, AT_ONCE = 1_000, 200  # vertices of the garment, at most; of the body, at a time
-ABOVE, STEEP = 0.2, 0.5  # metres, of clothes of an adult, and cosine: cloth there is above skin, as a skirt is
-CLOSE = 0.04  # metres: whatever is as near to cloth is under it
+SOME, NEAR = 200, 0.25  # tested vertices; distance / the garment's diagonal within which half of them have the body
+CLOTH, AT_ONCE = 1_000, 200  # largest number of the garment's vertices; the body's vertices at a time
+ABOVE, STEEP = 0.2, 0.5  # metres for clothes of an adult; cosine: cloth within both limits is above skin, like a skirt
+CLOSE = 0.04  # metres: skin nearer to cloth than this is always under it
 
 
 def is_worn(cloth: np.ndarray, body: np.ndarray) -> bool:
-    """Whether a garment (n, 3) was modelled on a body (b, 3): half of it is near. Where it was not, the body's place at
-    rest tells nothing."""
+    """Whether a garment (n, 3) was modelled on a body (b, 3): half of it is near the body. If not, the body's rest
+    positions have no meaning for the garment."""
     some = _some(cloth, SOME)
     if not len(some) or not len(body):
         return False
@@ -26,15 +26,15 @@ def is_worn(cloth: np.ndarray, body: np.ndarray) -> bool:
 
 
 def size_of(cloth: np.ndarray, metres: float) -> float:
-    """Object units to a metre of what an adult wears. cloth: (n, 3). metres: to an object unit."""
+    """Object units per metre of an adult's clothes. cloth: (n, 3). metres: per object unit."""
     return size_factor(_diagonal(cloth), metres) / metres
 
 
 def is_covered(body: np.ndarray, triangles: np.ndarray, cloth: np.ndarray, facing: np.ndarray,
                size: float) -> np.ndarray:
-    """(b,) bool: has cloth (n, 3) above it that faces as it does. Of a body (b, 3) with triangles (t, 3) that face
-    outwards. facing: (n, 3), normals. size: object units to a metre of what an adult wears. Cost: about 20 ns for each
-    vertex of the body in the box around the garment, and each of the garment, or 1,000 of these."""
+    """(b,) bool: which vertices of a body (b, 3) have cloth (n, 3) above them that faces the same way. triangles: (t,
+    3), facing outwards. facing: (n, 3), normals of the cloth. size: object units per metre of an adult's clothes. Cost:
+    about 20 ns for each pair of a body vertex in the garment's box and a garment vertex (at most 1,000 of these)."""
     reach, out = ABOVE * size, np.zeros(len(body), bool)
     within = ((body > cloth.min(axis=0) - reach) & (body < cloth.max(axis=0) + reach)).all(axis=1)
     normals = vertex_normals(body, triangles)
@@ -49,7 +49,8 @@ def is_covered(body: np.ndarray, triangles: np.ndarray, cloth: np.ndarray, facin
 
 def _is_under(points: np.ndarray, normals: np.ndarray, over: np.ndarray, facing: np.ndarray, reach: np.float32,
               close: np.float32) -> np.ndarray:
-    """(k,) bool. points, normals: (3, k, 1), of the body. over, facing: (3, 1, c), of the cloth. float32 all."""
+    """(k,) bool: which points of the body are under cloth. points, normals: (3, k, 1), of the body. over, facing: (3,
+    1, c), of the cloth. All float32."""
     way, steep = over - points, np.float32(STEEP)
     squared, height = _dot(way, way), _dot(way, normals)
     above = (squared < reach * reach) & (height > 0.0) & (height * height > steep * steep * squared)

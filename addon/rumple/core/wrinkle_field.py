@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The Wrinkle Field on plain arrays: prepare and evaluate. Never imports bpy."""
+"""The Wrinkle Field as a system of the engine, on plain arrays. Never imports bpy."""
 from __future__ import annotations
 
 from typing import Any
@@ -17,24 +17,24 @@ from .frame_result import COMMON_ATTRIBUTES, Attribute, FrameResult, PreviewFram
 from .settings import FieldSettings
 from .wording import user_error
 
-# What the shader node group reads (../blender/nodes/field_shader.py).
+# Attributes that the shader node group reads (../blender/nodes/field_shader.py).
 PHASE, WEIGHT = "rumple_wave_phase", "rumple_wave_weight"
 VECTORS = ("rumple_wave_vector_0", "rumple_wave_vector_1", "rumple_wave_vector_2")
 U_GRADIENT, V_GRADIENT = "rumple_u_gradient", "rumple_v_gradient"
 
 
 def suggested_wavelength(base: BaseMesh, unit_scale: float) -> float:
-    """Distance from fold to fold, in metres, that suits a mesh as it is; two significant digits.
+    """A distance between folds that suits the mesh, in metres, with two significant digits.
 
-    Two edges of the mesh: the direction of the waves is known at its vertices only, and finer waves would show
-    how it changes between them.
+    It is two edge lengths. The direction of the waves is known only at the vertices, and finer waves would show how it
+    changes between them.
     """
     edge = base.mean_edge() * unit_scale
     return float(f"{2.0 * edge:.2g}") if edge > 0.0 else FieldSettings.wavelength
 
 
-# A height grows with the root of what is lost: cloth that stands still, a hundredth shorter here and there, would show
-# waves of 3 mm.
+# The height of waves grows with the square root of the compression. Without a threshold, resting cloth that is a
+# hundredth shorter in places would show waves of 3 mm.
 CLOTH_DEFAULTS = dict(buckling_threshold=0.02)
 SIMULATED_DEFAULTS = dict(buckling_threshold=0.01)
 
@@ -45,7 +45,7 @@ def native_profile(kind: str, drawn: np.ndarray | None) -> Any:
 
 
 class WrinkleField(Wrinkles):
-    """Waves on the base: in the shading of its own triangles, or as the shape of a fine mesh."""
+    """Waves on the base: only in its shading, or as geometry of a fine mesh."""
 
     ATTRIBUTES = COMMON_ATTRIBUTES + (
         Attribute("rumple_amplitude"), Attribute("rumple_phase", angle=True),
@@ -85,7 +85,7 @@ class WrinkleField(Wrinkles):
             lines.append(f"{report.collapsed} {vertices} only collapsed triangles around in this pose")
         return lines
 
-    # --- for whoever draws the waves on the GPU (../blender/viewport/preview.py)
+    # --- for the GPU preview (../blender/viewport/preview.py)
     def wave_parameters(self, settings: FieldSettings) -> tuple[Any, Any, Any]:
         """(settings, wave parameters, profile), native, with the paint of the last solve."""
         options = self._native_settings(settings)
@@ -93,12 +93,14 @@ class WrinkleField(Wrinkles):
         return options, wave_parameters, native_profile(settings.profile, self._drawn)
 
     def reference_stretches(self, state: Any, positions: np.ndarray) -> np.ndarray:
-        """(w, 3) of every welded vertex in the pose of a WrinkleFieldState; empty unless the rest shape adapts."""
+        """(w, 3) stretches of every welded vertex in the pose of a WrinkleFieldState; empty if the rest shape is not
+        adaptive."""
         return kernels.reference_stretches(self.model, state, positions)
 
     def share_with_place(self, settings: FieldSettings, positions: np.ndarray, state: Any) -> np.ndarray | None:
-        """(w,) 0..1: what of the waves of every welded vertex does not run along a line that bends, for its shaders
-        look for none; None: all, as without a base cloth. positions: (n, 3) that they lie on. state: of the pose."""
+        """(w,) 0..1: factor on the waves of every welded vertex, lower where waves would run along a bent line, because
+        the preview's shaders do not test this. None: 1 everywhere, as without a base cloth. positions: (n, 3) under the
+        waves. state: of the pose."""
         options = self._native_settings(settings)
         if options.bend_radius == 0.0:
             return None
@@ -111,7 +113,8 @@ class WrinkleField(Wrinkles):
         return settings.adapts
 
     def _take_paint(self, paint: dict[str, np.ndarray]) -> Any:
-        self._drawn, self.previewed = paint.get(PROFILE), ALONG not in paint  # its shaders know no directions
+        # the preview's shaders do not support directions
+        self._drawn, self.previewed = paint.get(PROFILE), ALONG not in paint
         return kernels.WrinkleFieldPaint(
             {name: np.ascontiguousarray(values, np.float32) for name, values in paint.items() if name != PROFILE})
 
@@ -121,12 +124,12 @@ class WrinkleField(Wrinkles):
     def _solve(self, settings: FieldSettings, pose: Any, before: Any, same_settings: bool,
                frame_input: FrameInput) -> tuple[Any, Any]:
         if before is not None and not same_settings:
-            before = before.activated()  # under other settings nothing of it may be held
+            before = before.activated()  # with other settings no vertex may stay asleep
         return kernels.solve_wrinkle_field(self.model, self._native_settings(settings), self._paint, pose, before)
 
     def _may_wait(self, settings: FieldSettings, frame_input: FrameInput) -> bool:
-        self.model.weld_pose(frame_input.animated)  # raises now what a solve would raise later
-        # Else the preview asks for the state: of the base cloth, of reference triangles, of a start of its own.
+        self.model.weld_pose(frame_input.animated)  # raises the errors of a later solve already now
+        # In all other cases the preview needs the state.
         return (self.previewed and settings.output == "SHADING" and settings.base_cloth == "OFF"
                 and frame_input.body is None and not settings.adapts and not settings.stateless)
 
@@ -147,7 +150,7 @@ class WrinkleField(Wrinkles):
         corners = {PHASE: shown.corner_phase, WEIGHT: shown.corner_weight,
                    **dict(zip(VECTORS, shown.corner_wave_vector)),
                    U_GRADIENT: shown.corner_u_gradient, V_GRADIENT: shown.corner_v_gradient}
-        # Displaced in shape, or without a UV map: nothing left for the shader to do.
+        # With geometry, or without a UV map, there are no such values: the shader has nothing to do.
         own.update({name: self.on_corners(values) if len(values) else nothing for name, values in corners.items()})
         return self._result(shown, frame_input, **own)
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The Wrinkle Mesh on plain arrays: prepare and evaluate. Never imports bpy."""
+"""The Wrinkle Mesh as a system of the engine, on plain arrays. Never imports bpy."""
 from __future__ import annotations
 
 import functools
@@ -37,7 +37,7 @@ FARTHEST_OWN = 0.25  # an own mesh farther from the base than this share of the 
 
 
 def halvings(edge: float, wavelength: float) -> float:
-    """How often a mean edge must be halved to be wavelength / 5, at most 5; below 0 where it is shorter. Both metres.
+    """How often a mean edge must be halved to be wavelength / 5, at most 5. Negative if it is shorter. Both in metres.
     """
     if edge <= 0.0 or wavelength <= 0.0:
         return 0.0
@@ -53,9 +53,9 @@ def level_for(base: BaseMesh, wavelength: float, unit_scale: float) -> int:
 
 
 def layers_for(edge: float, wavelength: float) -> tuple[int, float]:
-    """Subdivisions of the finest layer over a mesh with this mean edge (metres), and its share, 0 to 1: folds between
-    two layers fade in on the finer one, so that any wavelength can be asked for. A finer layer begins a quarter of a
-    halving on, and is whole after a half."""
+    """Subdivisions of the finest layer for a mesh with this mean edge (metres), and the layer's strength, 0 to 1. For a
+    wavelength between two layers, the finer one has a reduced strength, so that any wavelength is possible. A finer
+    layer begins after a quarter of a halving, and has full strength after a half."""
     count = max(halvings(edge, wavelength), 0.0)
     level = math.floor(count)
     share = min(share_of_layer(count, level + 1), 1.0)
@@ -63,19 +63,22 @@ def layers_for(edge: float, wavelength: float) -> tuple[int, float]:
 
 
 def share_of_layer(count: Any, layer: int) -> Any:
-    """Of the layer after so many halvings, where `count` are asked for: none below 0, all from 1 on."""
+    """Strength of a layer if `count` halvings are asked for. It is not clamped: up to 0 there is no such layer, from 1
+    on it has full strength."""
     return 4.0 * (count - (layer - 1)) - 1.0
 
 
 def wavelength_of(base: BaseMesh, level: int, unit_scale: float) -> float:
-    """The fold width, in metres, that `level` subdivisions give: the inverse of level_for."""
+    """The width of folds, in metres, for `level` subdivisions: the inverse of level_for()."""
     return base.mean_edge() * unit_scale * EDGES_PER_WAVELENGTH / 2**level
 
 
 def suggested_wavelength(base: BaseMesh, unit_scale: float) -> float:
-    """Fold width, in metres, that suits a mesh as it is: level 2, or less where that would be too heavy to play.
+    """A width of folds that suits the mesh, in metres: that of level 2, or of a lower level if the mesh would play too
+    slowly.
 
-    Two significant digits, so that the slider shows a round number. The default of a doll, a giant or a dense mesh.
+    It has two significant digits, so that the slider shows a round number. So dolls, giants and dense meshes get a
+    suitable default.
     """
     level = 2
     while level > 0 and len(base.corner_vertex) / 4 * 4**level > MOST_PLAYABLE:
@@ -84,29 +87,31 @@ def suggested_wavelength(base: BaseMesh, unit_scale: float) -> float:
     return float(f"{wavelength:.2g}") if wavelength > 0.0 else MeshSettings.wavelength
 
 
-COARSE_EDGE = 0.03  # metres, of a garment that an adult wears: its widest folds are five of them
-WIDE = 0.1  # metres: where the finest folds are as wide, and of every skirt, the coarse mesh has edges twice as long
-DENSE = 2.0 / 3.0  # of that: a base with shorter edges is solved on a coarse mesh in its place
-# Metres: the finest folds of a cotton garment that an adult wears. What hangs free has few wide ones.
+COARSE_EDGE = 0.03  # metres, edges of the coarse mesh of an adult's garment: its widest folds have five of them
+WIDE = 0.1  # metres: if the finest folds are this wide, and for every skirt, the coarse edges are twice as long
+DENSE = 2.0 / 3.0  # relative to COARSE_EDGE: a base with shorter edges is solved on a coarse mesh instead
+# Metres: the finest folds of an adult's cotton garment. Cloth that hangs free has few, wide folds.
 CLOTH_WAVELENGTH, SKIRT_WAVELENGTH = 0.04, 0.14
-SHEET_WAVELENGTH, SHEET_FOLDS = 0.07, 0.1  # of a sheet at least, as a scarf; over its diagonal, up to those of a skirt
-LEAST_OPENINGS = 2  # of a garment: a head has one
+# finest folds of a sheet like a scarf: least width; width / diagonal (at most a skirt's)
+SHEET_WAVELENGTH, SHEET_FOLDS = 0.07, 0.1
+LEAST_OPENINGS = 2  # least number of openings of a garment; a head has one
 
 
 def suits_cloth(base: BaseMesh) -> bool:
-    """Whether a mesh looks like a garment by its shape: a part of it has openings to put it on through."""
+    """Whether a mesh has the shape of a garment: one of its parts has enough openings."""
     try:
         return kernels.count_openings(base.healed(True).surface(True)) >= LEAST_OPENINGS
     except ValueError:
-        return False  # what is wrong with it is said where it is built
+        return False  # the build reports what is wrong with it
 
 
 def cloth_defaults(base: BaseMesh, unit_scale: float, world_from_object: np.ndarray,
                    sheet: bool = False) -> dict[str, Any]:
-    """Settings of a garment that becomes cloth: folds as wide as the fabric and the wearer's size make them, lengths
-    in metres. Two significant digits. world_from_object: (3, 3), as it stands at rest. sheet: it is one, as a cape."""
+    """Settings for a garment that becomes cloth. The width of folds follows from the fabric and the wearer's size.
+    Lengths are in metres, with two significant digits. world_from_object: (3, 3), at rest. sheet: it is a sheet, like a
+    cape."""
     scale = size_factor(base.diagonal(), unit_scale)
-    # The base cloth holds collars and cuffs; a hem without folds is a ring, with folds gathered above it.
+    # The base cloth already holds collars and cuffs. A hem without folds would be a ring, with folds gathered above it.
     finest = SKIRT_WAVELENGTH if sheet or is_flared(base, world_from_object[2]) else CLOTH_WAVELENGTH
     if sheet:
         finest = min(max(SHEET_FOLDS * base.diagonal() * unit_scale / scale, SHEET_WAVELENGTH), finest)
@@ -116,14 +121,14 @@ def cloth_defaults(base: BaseMesh, unit_scale: float, world_from_object: np.ndar
                 **{name: float(f"{length * scale:.2g}") for name, length in lengths.items()})
 
 
-# Of a simulated garment: folds of several sizes, and none where the simulation is compressed by its own noise.
+# For a simulated garment: folds of several sizes, and no folds from the small compression of the simulation's noise.
 SIMULATED_DEFAULTS = dict(layers="CLOTH", buckling_threshold=0.01)
 
 
 def coarse_mesh(base: BaseMesh, settings: MeshSettings, surface: Any, unit_scale: float,
                 outer: OuterSide | None = None) -> Any:
-    """Native: what stands for a base that is too dense for wide folds, or for the outer side of one that has an inner
-    side; None where neither is so, or it is too small."""
+    """The native coarse mesh that represents a base that is too dense for wide folds, or the outer side of a base with
+    an inner side. None if neither applies, or if the base is too small."""
     size = size_factor(base.diagonal(), unit_scale)
     by_wavelength, cloth = settings.density == "WAVELENGTH", base if outer is None else outer.mesh
     wide = by_wavelength and (settings.wavelength >= WIDE * size or is_flared(cloth, direction_of(settings.up)))
@@ -138,19 +143,19 @@ def coarse_mesh(base: BaseMesh, settings: MeshSettings, surface: Any, unit_scale
 
 
 class WrinkleMesh(Wrinkles):
-    """A fine mesh that is solved over the base: one, or several layers, over a base cloth or the animated mesh."""
+    """A fine mesh, or several layers of them, solved over the base cloth or the animated mesh."""
 
     suggested_length = staticmethod(suggested_wavelength)
 
     model: Any  # native: of one mesh, or of layers
     edge_mean: float  # of the fine mesh, metres
     level: int  # its subdivisions
-    finest_share: float  # of the strength of the last layer that is not for painted widths
+    finest_share: float  # strength of the last layer, not counting finer_layers
     layer_count = 0  # 0: one mesh, as in the paper
-    finer_layers = 0  # the last of them: for folds that are painted narrower
-    _halvings = 0.0  # of the mean edge, for the wavelength that is set
-    coarse: Any = None  # native: stands for a dense base, and for one with an inner side
-    transfer: Any = None  # native: what shows the layers on it then
+    finer_layers = 0  # how many of the last layers are only for folds that are painted narrower
+    _halvings = 0.0  # halvings of the mean edge for the wavelength in the settings
+    coarse: Any = None  # native: represents a dense base, or one with an inner side
+    transfer: Any = None  # native: shows the layers on the dense mesh, if `coarse` is set
     _finest: np.ndarray | None = None
 
     @classmethod
@@ -160,13 +165,14 @@ class WrinkleMesh(Wrinkles):
         """Make the fine mesh and bind it: see Wrinkles.build().
 
         own: the artist's mesh at rest, in the base's object space.
-        attached: (n,) bool per vertex of own. viewport_steps: of the mesh `in_viewport`; none is made where they are
-        not fewer than the display steps. Raises UserError.
+        attached: (n,) bool per vertex of own. viewport_steps: of the mesh `in_viewport`, which is only made if they are
+        fewer than the display steps. Raises UserError.
         """
         if settings.source == "OBJECT" and own is None:
             raise UserError(f"{base.name}: choose your own fine mesh first")
         rigid_parts = settings.rigid_parts and settings.source != "OBJECT"
-        base = replace(base, painted_rigid=None) if settings.source == "OBJECT" else base  # patches of its own mesh
+        # with an own mesh, patches are painted on that mesh
+        base = replace(base, painted_rigid=None) if settings.source == "OBJECT" else base
         base, surface, warnings = checked_surface(base, settings.weld, rigid_parts, unit_scale)
         own = own.healed(False) if own is not None and settings.source == "OBJECT" else None
         own_surface = own.surface(False) if own is not None else None
@@ -201,7 +207,7 @@ class WrinkleMesh(Wrinkles):
     @classmethod
     def _build_layers(cls, base: BaseMesh, settings: MeshSettings, surface: Any, warnings: list[str],
                       unit_scale: float, most_vertices: int, viewport_steps: int) -> "WrinkleMesh":
-        """Layers over the base, or over a coarse mesh in its place where it is dense."""
+        """Build layers on the base, or on a coarse mesh that represents a dense base."""
         outer = find_outer_side(base, surface, settings.weld)
         coarse = coarse_mesh(base, settings, surface, unit_scale, outer)
         edge = (base.mean_edge() if coarse is None else coarse.mean_edge) * unit_scale
@@ -231,13 +237,14 @@ class WrinkleMesh(Wrinkles):
         return mesh
 
     def _take_viewport_mesh(self, model: Any) -> None:
-        """Where it has fewer vertices, and as many as the coarse mesh, whose positions it brings back."""
+        """Use a mesh for viewports if it has fewer vertices. It needs at least as many as the coarse mesh, because it
+        also carries the coarse positions."""
         mesh = ViewportMesh(self.base, self.source, model.shown_in_viewport, self.ATTRIBUTES)
         if self.coarse_count <= mesh.vertex_count < self.vertex_count:
             self.in_viewport = mesh
 
     def _show_on_dense(self, coarse: Any, settings: MeshSettings, most_vertices: int, viewport_steps: int) -> None:
-        """What was solved on the coarse mesh moves the whole base, subdivided as far as its folds need."""
+        """Show the layers of the coarse mesh on the dense base, which is subdivided as far as its folds need."""
         steps = settings.level
         if settings.density == "WAVELENGTH":
             edge = (self.base if self.outer is None else self.outer.mesh).mean_edge() * self.unit_scale
@@ -253,7 +260,7 @@ class WrinkleMesh(Wrinkles):
             self.transfer = build(steps)
             self.shown = self.transfer.shown
             if self.vertex_count >= len(self.base.positions):
-                break  # loose vertices are not shown, and a fine mesh has as many as the base at least
+                break  # the shown mesh lacks loose vertices, but must have at least as many vertices as the base
 
     def _where_solved(self, values: np.ndarray) -> np.ndarray:
         return values if self.coarse is None else np.ascontiguousarray(values[self.coarse.dense_vertex])
@@ -283,7 +290,7 @@ class WrinkleMesh(Wrinkles):
         return lines
 
     def measure_frame(self, frame: float, positions: np.ndarray, settings: MeshSettings) -> Any:
-        """Edge errors, areas and violations of a stored frame; None when it is not stored, or has a base cloth or
+        """Edge errors, areas and violations of a stored frame. None if it is not stored, or with a base cloth or
         layers."""
         cached = self.frame_cache.get(frame)
         if cached is None or self._paint is None or isinstance(cached.state, OnCloth) or self.layer_count:
@@ -324,7 +331,7 @@ class WrinkleMesh(Wrinkles):
         return kernels.WrinkleMeshPaint(self.model, factors)
 
     def _narrower(self, layer: int, paint: dict[str, np.ndarray]) -> np.ndarray:
-        """(n,) share of a layer that is there for what is painted narrower, of the vertices that are solved on."""
+        """(n,) strength of a layer for folds that are painted narrower, at the solved vertices."""
         if WIDTH not in paint:
             return np.zeros(self.solved_surface.vertex_count, np.float32)
         asked = self._halvings - np.log2(fold_width(paint[WIDTH]))
@@ -333,13 +340,13 @@ class WrinkleMesh(Wrinkles):
 
     def _pose(self, positions: np.ndarray, frame_input: FrameInput) -> Any:
         if self.layer_count:
-            return positions  # every layer makes its own, of the layer before
+            return positions  # every layer makes its own pose from the layer before
         return kernels.WrinkleMeshPose.of(self.model, positions, *frame_input.in_time(), frame_input.world_from_object)
 
     def _solve(self, settings: MeshSettings, pose: Any, before: Any, same_settings: bool,
                frame_input: FrameInput) -> tuple[Any, Any]:
         if before is not None and not same_settings:
-            before = before.activated()  # under other settings nothing of it may be held
+            before = before.activated()  # with other settings no vertex may stay asleep
         if not self.layer_count:
             return kernels.solve_wrinkle_mesh(self.model, native_settings(settings), self._paint, pose, before)
         by_wavelength = settings.density == "WAVELENGTH"
@@ -350,7 +357,7 @@ class WrinkleMesh(Wrinkles):
                                             **self._contact(settings, frame_input))
 
     def _contact(self, settings: MeshSettings, frame_input: FrameInput) -> dict[str, Any]:
-        """What keeps layers off what is worn under the base cloth."""
+        """The collision arguments that keep layers off bodies under the base cloth."""
         cloth = frame_input.cloth
         return {} if cloth is None else self.base_cloth().contact(cloth, settings, frame_input.body)
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The Wrinkle Paths on plain arrays: prepare and evaluate. Never imports bpy."""
+"""The Wrinkle Paths as a system of the engine, on plain arrays. Never imports bpy."""
 from __future__ import annotations
 
 from typing import Any
@@ -19,27 +19,28 @@ from .paint_maps import WIDTH, fold_width
 from .settings import PathsSettings
 from .wording import user_error
 
-# Table 9.1 has 0.5 (and 1 in one clip), with folds pi L_min / compression wide; ours are pi/2 L_min / compression wide.
+# Table 9.1 has 0.5 (and 1 in one clip) for folds of width pi L_min / compression. Ours have pi/2 L_min / compression.
 PERCENT_OF_HEIGHT = 1.0
 
 
 def width_of_height(height: float, percent: float) -> float:
-    """Width of the tightest folds for a character of that height, both metres; three significant digits."""
+    """Width of the tightest folds for a character of this height, both in metres; three significant digits."""
     return float(f"{0.01 * percent * height:.3g}")
 
 
 def suggested_width(base: BaseMesh, unit_scale: float) -> float:
-    """Width of the tightest folds, in metres, that suits a mesh as it is; two significant digits."""
+    """A width of the tightest folds that suits the mesh, in metres; two significant digits."""
     edge = base.mean_edge() * unit_scale
     return float(f"{0.7 * edge:.2g}") if edge > 0.0 else PathsSettings.width
 
 
-CLOTH_WIDTH = 0.025  # metres, on a person: folds of a garment that are seen at arm's length
-CLOTH_THRESHOLD = 1.1  # a base cloth spreads what skinning crushes in one place: less compression is a fold
+CLOTH_WIDTH = 0.025  # metres, for a person's garment: folds that are visible at arm's length
+# a base cloth distributes the local compression of skinning, so folds must start at less compression
+CLOTH_THRESHOLD = 1.1
 
 
 def cloth_defaults(base: BaseMesh, unit_scale: float) -> dict[str, Any]:
-    """Settings of a garment that becomes cloth, beside those of the base cloth. Two significant digits."""
+    """Settings for a garment that becomes cloth, in addition to those of the base cloth. Two significant digits."""
     width = max(suggested_width(base, unit_scale), CLOTH_WIDTH * size_factor(base.diagonal(), unit_scale))
     return dict(threshold=CLOTH_THRESHOLD, width=float(f"{width:.2g}"))
 
@@ -88,14 +89,14 @@ class WrinklePaths(Wrinkles):
         return CurvePoints.of(riding, self.base.origin)
 
     def labels_and_ellipses(self, frame: float, positions: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """What paths go by in a solved frame: corners (t, 3, 3) of the triangles, labels (t,) uint8 (0 compressed,
-        1 at rest, 2 stretched) and ellipses (t, 9): centre and two semi-axes. Object space."""
+        """The values that determine the paths of a solved frame: corners (t, 3, 3) of the triangles, labels (t,) uint8
+        (0 compressed, 1 at rest, 2 stretched) and ellipses (t, 9): centre and two semi-axes. Object space."""
         state, pose = self.wrinkles_of(frame), self._pose_at(frame, positions)
         corners = self.solved_over(frame, positions)[self.base.triangles]
         return corners, state.labels, kernels.wrinkle_path_ellipses(self.model, pose, state)
 
     def curve_points(self, settings: PathsSettings) -> float:
-        """Folds side by side; on the way across a triangle a fold has two points, and two in each width."""
+        """For folds side by side. A fold has two points in each triangle that it crosses, and two in each width."""
         base = self.base
         a, b, c = (base.positions[base.triangles[:, k]] for k in range(3))
         area = 0.5 * float(np.linalg.norm(np.cross(b - a, c - a), axis=1).sum()) * self.unit_scale**2
@@ -127,7 +128,7 @@ class WrinklePaths(Wrinkles):
 
     def _preview(self, settings: PathsSettings, positions: np.ndarray, pose: Any, state: Any,
                  frame_input: FrameInput) -> FrameResult | PreviewFrame:
-        if self._by_hand:  # the graphics card draws whole folds
+        if self._by_hand:  # the GPU preview cannot draw changes by hand
             return self._show(settings, positions, pose, state, frame_input)
         drawing = kernels.draw_wrinkle_paths(self.model, self._native_settings(settings), pose, state)
         off = positions - frame_input.animated if frame_input.cloth is not None else np.float32(0.0)
@@ -140,5 +141,6 @@ class WrinklePaths(Wrinkles):
             setattr(options, name, getattr(settings, name))
         settings.fill_reference(options)
         options.width = settings.width / self.unit_scale
-        options.bend_radius = bend_radius(settings, 2.0 * settings.width, self.unit_scale)  # a fold and the next
+        # wavelength: two widths, a fold and the gap to the next
+        options.bend_radius = bend_radius(settings, 2.0 * settings.width, self.unit_scale)
         return options

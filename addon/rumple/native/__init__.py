@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The native library in Python: ctypes and NumPy, nothing else.
+"""Python bindings of the native library. They need only ctypes and NumPy.
 
-load() opens the library and returns the module `kernels`, which has everything that there is. c/ is the C header,
-written by scripts/declarations.py; struct, library, arrays and handle say how Python deals with it; the other files
-are the systems. What they do, in which units, is said in native/include/rumple.h.
+load() opens the library and returns the module `kernels`, which has all functions and classes. c/ has the declarations
+of the C header, written by scripts/declarations.py. struct, library, arrays and handle connect them to Python. The
+other files are the systems. The reference, with all units, is native/include/rumple.h.
 """
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ __all__ = ["NativeMissing", "load"]
 
 
 def load() -> ModuleType:
-    """The module with everything. Raises NativeMissing."""
+    """The module `kernels`. Raises NativeMissing."""
     lib.open()
     from . import kernels
     return kernels

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""NumPy arrays on their way into the library and out of it. Never copies what is right already."""
+"""Passes NumPy arrays to the library and back. An array with the right type and layout is never copied."""
 from __future__ import annotations
 
 import ctypes
@@ -11,12 +11,12 @@ from .struct import put
 
 FLOAT, DOUBLE = np.dtype(np.float32), np.dtype(np.float64)
 INT, BYTE = np.dtype(np.int32), np.dtype(np.uint8)
-Shapes = dict[str, tuple[np.dtype, int]]  # of arrays by name: type, and columns or 0
+Shapes = dict[str, tuple[np.dtype, int]]  # by name: type of the array, and its columns or 0
 
 
 def checked(array: Any, name: str, dtype: np.dtype, columns: int = 0) -> np.ndarray:
-    """The array itself, where it is C-contiguous, of this dtype and of shape (n,) or (n, columns). Raises ValueError
-    that names the argument, what was expected and what came."""
+    """The array itself, if it is C-contiguous, of this dtype and of shape (n,) or (n, columns). Raises ValueError with
+    the name of the argument, what was expected and what was given."""
     if (isinstance(array, np.ndarray) and array.dtype == dtype and array.flags.c_contiguous and array.flags.aligned
             and (array.ndim == 1 if columns == 0 else array.ndim == 2 and array.shape[1] == columns)):
         return array
@@ -30,23 +30,23 @@ def checked(array: Any, name: str, dtype: np.dtype, columns: int = 0) -> np.ndar
 
 
 def address(array: np.ndarray) -> int:
-    """Where its numbers are. The array must outlive what is done with it."""
+    """The address of its data. The array must live as long as the address is used."""
     return array.ctypes.data
 
 
 def given(array: Any, name: str, dtype: np.dtype, columns: int = 0) -> tuple[int, int]:
-    """Address and rows of an argument, checked. It must outlive the call: keep a name on it."""
+    """Address and number of rows of an argument, which is checked. Keep a reference to the array during the call."""
     array = checked(array, name, dtype, columns)
     return array.ctypes.data, len(array)
 
 
 def optional(array: Any, name: str, dtype: np.dtype, columns: int = 0) -> tuple[int | None, int]:
-    """The same of an argument that may be None."""
+    """Like given(), for an argument that may be None."""
     return (None, 0) if array is None else given(array, name, dtype, columns)
 
 
 def fill(struct: Any, name: str, array: Any, dtype: np.dtype, columns: int = 0) -> None:
-    """Puts an array into the fields `name` and `name`_count of a struct; of None they stay empty."""
+    """Puts an array into the fields `name` and `name`_count of a struct. For None they stay empty."""
     if array is not None:
         place, count = given(array, name, dtype, columns)
         put(struct, name, place)
@@ -58,13 +58,13 @@ def new(dtype: np.dtype, *shape: int) -> np.ndarray:
     return np.empty(shape, dtype)
 
 
-# Memory of the library that holds what owns it, by the power of two of bytes that it is taken to have: NumPy asks for
-# at least as much as an array has, and reads no more. A type for each size would cost more than the array.
+# Types for memory of the library that keep a reference to its owner, one for each power of two bytes. NumPy needs a
+# buffer at least as large as the array, and reads only the array. A type for each size would cost more than the array.
 _MEMORY: list[Any] = [type("Memory", (ctypes.c_char * (1 << bits),), {"__slots__": ("owner",)}) for bits in range(48)]
 
 
 def lent(owner: Any, place: int | None, dtype: np.dtype, shape: tuple[int, ...]) -> np.ndarray:
-    """A read-only view of an array inside a handle. It keeps the handle."""
+    """A read-only view of an array inside a handle. It keeps the handle alive."""
     count = shape[0] * (shape[1] if len(shape) > 1 else 1)
     if not place or not count:
         array = np.empty(shape, dtype)
@@ -77,7 +77,7 @@ def lent(owner: Any, place: int | None, dtype: np.dtype, shape: tuple[int, ...])
 
 
 def lent_all(owner: Any, view: Any, shapes: Shapes) -> dict[str, np.ndarray]:
-    """lent() of arrays of a view, by name; it has the rows of each beside it, in `name`_count."""
+    """lent() for several arrays of a view, by name. Their numbers of rows are in the fields `name`_count."""
     found = {}
     for name, (dtype, columns) in shapes.items():
         rows = getattr(view, f"{name}_count")

@@ -23,14 +23,14 @@ class Collider(Handle):
     def __init__(self, positions: np.ndarray, triangles: np.ndarray, rest: np.ndarray | None = None,
                  worn_within: float = 0.0) -> None:
         """positions: (b, 3) float32, any pose. triangles: (t, 3) int32, counter-clockwise from outside. rest: (b, 3)
-        float32, where they are while the cloth is as at rest, NaN where that is not known: what is farther than
-        worn_within from a place of the cloth there is not under that place."""
+        float32, positions while the cloth is at rest, NaN where not known. A triangle that is then farther than
+        worn_within from a place of the cloth is never under that place."""
         self._filled(self, lib.rumple_collider_build, *given(positions, "positions", FLOAT, 3),
                      *given(triangles, "triangles", INT, 3), *optional(rest, "rest", FLOAT, 3), worn_within)
 
     @property
     def vertex_count(self) -> int:
-        """b"""
+        """The number of vertices, b."""
         return lib.rumple_collider_vertex_count(self)
 
 
@@ -74,7 +74,7 @@ class BaseClothSettings(c.BaseClothSettings):
 
 
 class BaseClothSwing(c.BaseClothSwing):
-    """What swing_base_cloth needs beside BaseClothSettings."""
+    """The settings that swing_base_cloth needs in addition to BaseClothSettings."""
 
     __slots__ = ()
     wind: Any = Vector("three floats, object space, object units / s")
@@ -83,17 +83,17 @@ class BaseClothSwing(c.BaseClothSwing):
         return cls.from_buffer_copy(lib.rumple_base_cloth_swing_default())
 
     def place(self, matrix: Sequence[Sequence[float]], shift: Sequence[float]) -> None:
-        """From the object space of the frame before to that of this one: (3, 3), then (3,) object units."""
+        """Set the transform from the previous frame's object space to this one's: (3, 3), then (3,) object units."""
         self.matrix[:] = [value for row in matrix for value in row]
         self.shift[:] = list(shift)
 
 
 class VertexForces(NamedTuple):
-    """What acts on every vertex, beside the wind and gravity that act on all alike. Object space."""
+    """Forces that differ between vertices, in addition to wind and gravity. Object space."""
 
-    air: np.ndarray  # (n, 3) float32: velocity of the air beside `wind`, object units / s
+    air: np.ndarray  # (n, 3) float32: velocity of the air in addition to `wind`, object units / s
     push: np.ndarray  # (n, 3) float32: acceleration, object units / s^2
-    resist: np.ndarray  # (n, 2) float32, >= 0: taken from the velocity, 1/s, and times its length, 1/object unit
+    resist: np.ndarray  # (n, 2) float32, >= 0: linear drag, 1/s, and quadratic drag, 1/object unit
 
 
 class BaseClothPaint(Handle):
@@ -103,7 +103,7 @@ class BaseClothPaint(Handle):
     POINTER, FREE = c.BaseClothPaintPointer, "rumple_base_cloth_paint_free"
 
     def __init__(self, model: BaseClothModel, painted: dict[str, np.ndarray] | None = None) -> None:
-        """painted: follow, room -> (n,) float32, 0..1; other names are left alone."""
+        """painted: follow, room -> (n,) float32, 0..1; other names are ignored."""
         values = c.BaseClothPainted()
         for name in ("follow", "room"):
             fill(values, name, (painted or {}).get(name), FLOAT)
@@ -111,7 +111,7 @@ class BaseClothPaint(Handle):
 
 
 class BaseClothState(Handle):
-    """A solved frame, and what lives from it to the next one. w welded vertices."""
+    """A solved frame, and the values that the next frame starts from. w welded vertices."""
 
     __slots__ = ()
     POINTER, FREE = c.BaseClothStatePointer, "rumple_base_cloth_state_free"
@@ -133,7 +133,8 @@ class BaseClothState(Handle):
 
     @property
     def arrays(self) -> dict[str, Any]:
-        """A dict of plain arrays that the same state can be made of, to the bit. It then shows nothing."""
+        """The values for the next frame as plain arrays. A state that of() makes from them continues with the same
+        bits, but has no positions."""
         kept = c.BaseClothKept()
         lib.rumple_base_cloth_state_get_kept(self, kept)
         return {**{name: np.float32(getattr(kept, name)) for name in self.NUMBERS},
@@ -142,7 +143,7 @@ class BaseClothState(Handle):
 
     @classmethod
     def of(cls, model: BaseClothModel, arrays: dict[str, Any]) -> "BaseClothState":
-        """From what `arrays` gave."""
+        """The state from the plain arrays of `arrays`."""
         kept = c.BaseClothKept()
         fill_stored(kept, arrays, cls.ARRAYS)
         for name in cls.NUMBERS:
@@ -152,12 +153,12 @@ class BaseClothState(Handle):
         return cls.made(lib.rumple_base_cloth_state_build, model, kept)
 
     def activated(self) -> "BaseClothState":
-        """A copy that is not held, for a solve with other settings. Of cloth that swings."""
+        """A copy in which no vertex is asleep, for a solve with other settings. Only for cloth with inertia."""
         return BaseClothState.made(lib.rumple_base_cloth_state_activated, self)
 
 
 class BaseClothReport(c.BaseClothReport):
-    """How a solve went."""
+    """The report on a solve."""
 
     __slots__ = ()
 
@@ -176,9 +177,9 @@ def _solved(solve: Any, arguments: tuple[Any, ...], positions: np.ndarray, colli
 def solve_base_cloth(model: BaseClothModel, settings: BaseClothSettings, paint: BaseClothPaint, positions: np.ndarray,
                      collider: Collider | None = None, body_positions: np.ndarray | None = None,
                      state: BaseClothState | None = None) -> Solved:
-    """Solve one frame; returns (positions, gap, body_hint, state, report): positions: (n, 3) float32 of the cloth,
-    object space; gap: (n,) float32, its height above what is worn under it, object units; body_hint: (n,) int32, a
-    triangle of the collider near it or -1; (0,) without one.
+    """Solve one frame; returns (positions, gap, body_hint, state, report). positions: (n, 3) float32 of the cloth,
+    object space. gap: (n,) float32, height above the body, object units. body_hint: (n,) int32, a triangle of the
+    collider near each vertex, or -1; (0,) without a collider.
 
     positions: (n, 3) float32, animated. body_positions: (b, 3) float32 of the collider in this pose. state: of the
     frame before, or None. Mueller and Chentanez 2010, section 4.3.
@@ -189,8 +190,8 @@ def solve_base_cloth(model: BaseClothModel, settings: BaseClothSettings, paint: 
 def swing_base_cloth(model: BaseClothModel, settings: BaseClothSettings, swing: BaseClothSwing, paint: BaseClothPaint,
                      positions: np.ndarray, collider: Collider | None = None, body_positions: np.ndarray | None = None,
                      state: BaseClothState | None = None, forces: VertexForces | None = None) -> Solved:
-    """One frame of cloth with inertia; as solve_base_cloth. Without a state that swings: its equilibrium, at rest.
-    Baraff and Witkin 1998. forces: of force fields, or None."""
+    """Solve one frame of cloth with inertia (Baraff and Witkin 1998). Arguments and results as in solve_base_cloth.
+    Without a state with inertia it returns the equilibrium, with zero velocity. forces: of force fields, or None."""
     if forces is not None:
         swing = type(swing).from_buffer_copy(swing)
         for name, array in forces._asdict().items():
@@ -200,7 +201,7 @@ def swing_base_cloth(model: BaseClothModel, settings: BaseClothSettings, swing: 
 
 
 class ClothCover(Handle):
-    """The points of a smooth surface that stay off bodies. Made by build_cloth_cover."""
+    """Points of a smooth surface that are kept off bodies. Made by build_cloth_cover."""
 
     __slots__ = ("base",)
     base: Surface
@@ -208,7 +209,7 @@ class ClothCover(Handle):
 
 
 def build_cloth_cover(surface: Surface) -> ClothCover:
-    """The points of the smooth surface of a coarse mesh that are to stay off bodies."""
+    """The points of a coarse mesh's smooth surface that are kept off bodies."""
     cover = ClothCover.made(lib.rumple_cloth_cover_build, surface)
     cover.base = surface
     return cover
@@ -216,10 +217,10 @@ def build_cloth_cover(surface: Surface) -> ClothCover:
 
 def cover_bodies(surface: Surface, cover: ClothCover, collider: Collider, body_positions: np.ndarray,
                  positions: np.ndarray, hints: np.ndarray, thickness: float, depth: float) -> np.ndarray:
-    """(n, 3) float32: how far every vertex has to move, outwards, for the smooth surface to stay off the bodies.
+    """(n, 3) float32: how far every vertex must move outwards to keep the smooth surface off the bodies.
 
     positions: (n, 3) float32 of the cloth, object space. hints: (n,) int32, a triangle of the collider near it or -1.
-    thickness, depth: object units; what is deeper inside stays there.
+    thickness, depth: object units; cloth deeper inside than depth is not pushed out.
     """
     if cover.base is not surface:
         raise ValueError("cover: it was made for another surface")

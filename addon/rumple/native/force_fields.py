@@ -13,7 +13,7 @@ from .struct import Choice, Vector
 
 
 class ForceField(c.ForceField):
-    """One of them. Lengths are units of the world."""
+    """A force field. Lengths are in world units."""
 
     __slots__ = ()
     kind: Any = Choice(c.FORCE_FIELD_KIND)
@@ -28,16 +28,16 @@ class ForceField(c.ForceField):
 
 
 class FieldEffects(NamedTuple):
-    """What force fields do at points, world space, in the units of their strengths."""
+    """The effects of force fields at points, world space, in the units of their strengths."""
 
     air: np.ndarray  # (p, 3) float32: velocity of the air
     push: np.ndarray  # (p, 3) float32: force
-    resist: np.ndarray  # (p, 2) float32, >= 0: against the velocity, times it and times it and its length
+    resist: np.ndarray  # (p, 2) float32, >= 0: coefficients of linear and of quadratic drag
 
 
 def evaluate_force_fields(fields: Sequence[ForceField], frame: int, positions: np.ndarray) -> FieldEffects:
-    """What all of them do together. frame: noise differs from frame to frame. positions: (p, 3) float32, world
-    space."""
+    """The sum of all fields. frame: seed of the noise that changes from frame to frame. positions: (p, 3) float32,
+    world space."""
     place, count = given(positions, "positions", FLOAT, 3)
     out = FieldEffects(new(FLOAT, count, 3), new(FLOAT, count, 3), new(FLOAT, count, 2))
     together = (c.ForceField * len(fields)).from_buffer_copy(b"".join(bytes(field) for field in fields) or b"")

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Handles of the library as Python objects: freed with the last reference, their arrays as views."""
+"""Handles of the library as Python objects. The last reference frees a handle. Its arrays are views."""
 from __future__ import annotations
 
 import ctypes
@@ -14,21 +14,21 @@ T = TypeVar("T", bound="Handle")
 
 
 class Handle:
-    """What a handle is. A class of one says POINTER, its type; FREE, the function that gives it back; VIEW and LOOK,
-    the struct of its view and the function that fills it, where it has one."""
+    """Base class of all handles. A subclass defines POINTER, the type of the handle; FREE, the function that frees it;
+    and, if it has a view, VIEW, the struct, and LOOK, the function that fills it."""
 
     __slots__ = ("_as_parameter_", "_free", "_seen", "__weakref__")
     POINTER: Any = None
     FREE = ""
     VIEW: Any = None
     LOOK = ""
-    _as_parameter_: Any  # a pointer to an opaque struct, of a type of its own for each kind of handle
+    _as_parameter_: Any  # a pointer to an opaque struct; each kind of handle has its own type
     _free: Any
     _seen: Any
 
     @classmethod
     def made(cls: type[T], function: Any, *arguments: Any) -> T:
-        """Of a function whose last argument is where the handle goes."""
+        """A handle from a function that stores it in its last argument."""
         return cls._filled(cls.__new__(cls), function, *arguments)
 
     @classmethod
@@ -39,7 +39,7 @@ class Handle:
 
     @classmethod
     def owning(cls: type[T], pointer: Any) -> T:
-        """Of a pointer that a function gave beside its own handle. It is freed with this."""
+        """A handle from a pointer that a function returned in addition to its own handle. This object frees it."""
         return cls._own(cls.__new__(cls), pointer)
 
     @classmethod
@@ -49,7 +49,8 @@ class Handle:
 
     @property
     def view(self) -> Any:
-        """The struct of the view: numbers and addresses. Asked for once: what a handle holds does not change."""
+        """The struct of the view: numbers and addresses. It is read once, because the contents of a handle never
+        change."""
         if self._seen is None:
             view = self.VIEW()
             getattr(lib, self.LOOK)(self, view)
@@ -60,15 +61,16 @@ class Handle:
         raise TypeError(f"a {type(self).__name__} cannot be copied or stored: it would be freed twice")
 
     def __del__(self) -> None:
-        if hasattr(self, "_free"):  # where its making was refused there is nothing to free
+        if hasattr(self, "_free"):  # not set if making the handle failed
             self._free(self._as_parameter_)
 
 
 class Array:
-    """An array inside a handle: a read-only view, valid as long as anyone holds it.
+    """An array inside a handle: a read-only view, valid as long as anyone has a reference to it.
 
-    rows: the name of a number of the view; more: what is added to it. columns: numbers, or such a name; none: (rows,).
-    source: where the view has it, if under another name. view: the property that is the view.
+    rows: name of the number in the view that has the rows; more: is added to it. columns: a number, or such a name; 0:
+    the shape is (rows,). source: name of the array in the view, if it differs. view: name of the property with the
+    view.
     """
 
     def __init__(self, doc: str, dtype: np.dtype, rows: str, columns: int | str = 0, *, source: str = "", more: int = 0,

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Rumple's kernels: dynamic wrinkles on coarse animated meshes. What load() of this package returns.
+"""All functions and classes of the native library. load() of this package returns this module.
 
-Arrays are C-contiguous float32 or int32; lengths are in the units of the positions. Arrays of results are read-only
-views of what the library holds, and keep it. Bad input raises ValueError that names the argument and the first bad
-element.
+Arrays are C-contiguous float32 or int32. Lengths are in the units of the positions. Arrays in results are read-only
+views of the library's memory, and keep it alive. Bad input raises ValueError with the name of the argument and the
+first bad element.
 """
 from __future__ import annotations
 

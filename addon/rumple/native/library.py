@@ -1,9 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Finds librumple and opens it, or says in words why that cannot be.
+"""Finds librumple and opens it, or explains to the artist why this is not possible.
 
-It lies in lib/ of this package's parent, in a folder for each platform (what was installed), or in the folder of
-$RUMPLE_NATIVE (what was built).
-One file serves every Python: it knows none.
+An installed library is in lib/ of this package's parent, in a folder for each platform. A built library is in the
+folder $RUMPLE_NATIVE. The same file works with every version of Python, because it does not use Python.
 """
 from __future__ import annotations
 
@@ -28,7 +27,8 @@ def library_file() -> Path:
     chosen = os.environ.get("RUMPLE_NATIVE")
     for folder in ([Path(chosen)] if chosen else []) + [BUNDLED / here]:
         if (folder / platforms.file_name(here)).is_file():
-            # A bare name would be searched for in the system. Not resolve(): it fails on some drives of Windows.
+            # An absolute path, because a bare name would be searched for in the system. Not resolve(), which fails on
+            # some drives of Windows.
             return Path(os.path.abspath(folder / platforms.file_name(here)))
     others = sorted(folder.name for folder in BUNDLED.glob("*-*") if folder.is_dir())
     made_for = f"it is the package for {', '.join(others)}" if others else "it has no library"
@@ -37,16 +37,16 @@ def library_file() -> Path:
 
 
 class Stopped(RuntimeError):
-    """What was being made is no longer wanted: see stopping.py."""
+    """Raised by a call that another thread stopped: see stopping.py."""
 
 
 class Library:
-    """The functions of the library, each by its name in the header. It is opened when the first one is called."""
+    """The functions of the library, by their names in the header. The first call opens the library."""
 
     path: Path | None = None
 
     def open(self) -> None:
-        """Opens it and compares it with what this layer was written for. Raises NativeMissing."""
+        """Opens the library and compares its version and structs with these bindings. Raises NativeMissing."""
         if self.path is not None:
             return
         path = library_file()
@@ -77,7 +77,8 @@ class Library:
         return self.__dict__[name]
 
     def _check(self, status: int, _function: Any, _arguments: Any) -> int:
-        """Raises what a status says: ValueError, MemoryError, Stopped or RuntimeError, with the library's own words."""
+        """Raises the exception for a status (ValueError, MemoryError, Stopped or RuntimeError) with the library's
+        message."""
         if status:
             text = self.rumple_error().decode(errors="replace")
             raise {1: ValueError, 2: MemoryError, 4: Stopped}.get(status, RuntimeError)(text)
@@ -85,18 +86,18 @@ class Library:
 
 
 def _load(path: Path) -> tuple[ctypes.CDLL, Path]:
-    """The library, and the file that it is: where it would be locked, a copy. Raises OSError."""
+    """The library, and its file. On systems that lock loaded files, the file is a copy. Raises OSError."""
     if platforms.is_locked_when_open():
         copy = platforms.copy_to_load(path)
         try:
             return ctypes.CDLL(str(copy)), copy
         except OSError:
-            pass  # rules of a studio may allow libraries where programs are installed alone
+            pass  # a studio may allow libraries only in folders of installed programs
     return ctypes.CDLL(str(path)), path
 
 
 def _compare(path: Path, functions: dict[str, Any]) -> None:
-    """Raises NativeMissing where the library has other structs than this layer."""
+    """Raises NativeMissing if the library's version or structs differ from these bindings."""
     version = functions["rumple_version"]().decode()
     if version != c.VERSION:
         raise NativeMissing(f"Rumple's library {path} has version {version}, the add-on {c.VERSION}. "

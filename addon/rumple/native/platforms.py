@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What differs between systems when files are moved, and when the library is found. Nothing here opens it."""
+"""Differences between operating systems in moving files and in finding the library. This module never opens it."""
 from __future__ import annotations
 
 import hashlib
@@ -16,11 +16,11 @@ from typing import Any, Callable
 ON_WINDOWS = os.name == "nt"
 _WAITS = (0.05, 0.1, 0.2, 0.4, 0.8, 1.6)  # seconds before each further try
 FILES = {"windows": "rumple.dll", "macos": "librumple.dylib", "linux": "librumple.so"}
-SYSTEMS = {"win32": "windows", "darwin": "macos"}  # as sys.platform has them
+SYSTEMS = {"win32": "windows", "darwin": "macos"}  # key: sys.platform
 MADE_FOR = frozenset(("linux-x64", "windows-x64", "macos-arm64", "macos-x64"))
 PROCESSORS = {"amd64": "x64", "x86_64": "x64", "aarch64": "arm64", "arm64": "arm64"}
 
-# What the systems say when they refuse a library, and what the artist can do. The first that is found counts.
+# Parts of the system's error messages about a library, and advice for the artist. The first match counts.
 REFUSALS = (
     (("GLIBC_", "GLIBCXX_"),
      "This Linux is older than the one that the package was built for: update it, or build Rumple on it."),
@@ -38,24 +38,24 @@ REFUSALS = (
 
 
 def here(system: str | None = None, machine: str | None = None) -> str:
-    """This system as packages name it: "windows-x64". Unknown ones keep their own names."""
+    """The name of this platform in packages, for example "windows-x64". Unknown systems keep their own names."""
     system, machine = system or sys.platform, machine or _machine()
     return f"{SYSTEMS.get(system, system)}-{PROCESSORS.get(machine.lower(), machine.lower())}"
 
 
 def _machine() -> str:
-    """What this process is made for. On Windows platform.machine() asks a service, which may be slow or forbidden, and
-    tells the computer's processor: on ARM a Blender for x64 runs, too."""
+    """The processor type that this process was built for. Not platform.machine() on Windows: it asks a service, which
+    may be slow or forbidden, and it returns the computer's processor, but a Blender for x64 also runs on ARM."""
     return sysconfig.get_platform().rpartition("-")[2] if sys.platform == "win32" else platform.machine()
 
 
 def file_name(of: str) -> str:
-    """The library's file of a platform, "windows-x64"."""
+    """The name of the library's file for a platform such as "windows-x64"."""
     return FILES.get(of.partition("-")[0], FILES["linux"])
 
 
 def why_refused(error: str, path: Path) -> str:
-    """What the artist can do about a library that the system refuses to load. error: the system's words."""
+    """Advice for the artist if the system refuses to load a library. error: the system's message."""
     for signs, advice in REFUSALS:
         if any(sign.lower() in error.lower() for sign in signs):
             return advice.format(folder=path.parent, here=here())
@@ -63,20 +63,21 @@ def why_refused(error: str, path: Path) -> str:
 
 
 def is_damaged(path: Path) -> bool:
-    """Whether a library is not the one that was packed: a system that maps a truncated file ends Blender. The
-    package has its digest beside it (scripts/packaging.py); what was built has none."""
+    """Whether a library differs from the packed one. A truncated library would crash Blender when it is loaded. A
+    package has a digest file beside the library (scripts/packaging.py). A built library has none."""
     digest = path.with_name(path.name + ".sha256")
     return digest.is_file() and digest.read_bytes().strip() != hashlib.sha256(path.read_bytes()).hexdigest().encode()
 
 
 def is_locked_when_open() -> bool:
-    """Windows lets nobody replace or remove a library that is loaded."""
+    """Whether the system does not allow to replace or remove a loaded library, as on Windows."""
     return sys.platform == "win32"
 
 
 def tried_again(action: Callable[..., Any], *arguments: Any) -> Any:
-    """What an action on files returns. Windows refuses to move and remove a file while anybody has it open, as virus
-    scanners do for a moment: there it is tried again, for three seconds. Raises what the last try raises."""
+    """The result of an action on files. Windows does not move or remove a file while anybody has it open, and virus
+    scanners open new files for a moment. So on Windows the action is tried again, for three seconds. Raises the
+    exception of the last try."""
     for wait in _WAITS if ON_WINDOWS else ():
         try:
             return action(*arguments)
@@ -86,10 +87,10 @@ def tried_again(action: Callable[..., Any], *arguments: Any) -> Any:
 
 
 def copy_to_load(path: Path, folder: Path | None = None) -> Path:
-    """A copy of the library for Blender to hold, so that an update can replace the installed one.
+    """A copy of the library that Blender loads, so that an update can replace the installed file.
 
-    It is named after its content, so two versions do not meet. Copies that no Blender holds any more are removed.
-    Returns the library itself where no copy can be made. folder: where copies go, for tests.
+    Its name depends on its content, so different versions have different copies. Copies that no Blender has loaded are
+    removed. Returns the library itself if no copy can be made. folder: for the copies, for tests.
     """
     copies = folder or Path(tempfile.gettempdir()) / "rumple-libraries"
     try:
@@ -99,19 +100,19 @@ def copy_to_load(path: Path, folder: Path | None = None) -> Path:
         copy = own / path.name
         if not copy.is_file() or copy.read_bytes() != data:
             _write_copy(data, copy)
-    except OSError:     # no place, no right to write there, or somebody holds a damaged copy
+    except OSError:     # no space, no permission, or another Blender has a damaged copy loaded
         return path
     try:
         for other in copies.iterdir():
             if other != own:
-                shutil.rmtree(other, ignore_errors=True)    # what a Blender holds stays: Windows refuses
-    except OSError:     # another Blender tidies up as well
+                shutil.rmtree(other, ignore_errors=True)    # Windows keeps the loaded ones
+    except OSError:     # another Blender removes copies at the same time
         pass
     return copy
 
 
 def _write_copy(data: bytes, copy: Path) -> None:
-    """By one rename. Raises OSError where there is no such copy then."""
+    """Write a copy, by one rename. Raises OSError if the copy does not exist afterwards."""
     being_written = copy.with_name(f"{copy.name}.{os.getpid()}")
     try:
         being_written.write_bytes(data)
@@ -121,5 +122,5 @@ def _write_copy(data: bytes, copy: Path) -> None:
             being_written.unlink(missing_ok=True)
         except OSError:
             pass
-        if not copy.is_file() or copy.read_bytes() != data:     # another Blender has made and loaded it meanwhile
+        if not copy.is_file() or copy.read_bytes() != data:     # else another Blender made and loaded it meanwhile
             raise

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How one thread ends what another one makes: native/include/rumple/base.h."""
+"""Lets one thread stop a call of another thread: native/include/rumple/base.h."""
 from __future__ import annotations
 
 import contextlib
@@ -11,7 +11,7 @@ from .library import lib
 
 
 class Stop(Handle):
-    """Asked by one thread, watched by another."""
+    """A request to stop. One thread makes it, another thread watches for it."""
 
     __slots__ = ()
     POINTER, FREE = c.StopPointer, "rumple_stop_free"
@@ -21,12 +21,13 @@ class Stop(Handle):
         return cls.made(lib.rumple_stop_build)
 
     def ask(self) -> None:
-        """Models that are made by who watches it raise library.Stopped. From any thread; it cannot be taken back."""
+        """Ask to stop: builds in the watching thread then raise library.Stopped. It works from any thread, and cannot
+        be undone."""
         lib.rumple_stop_ask(self)
 
     @contextlib.contextmanager
     def watched(self) -> Iterator[None]:
-        """By this thread."""
+        """A context in which this thread watches it."""
         lib.rumple_stop_watch(self)
         try:
             yield

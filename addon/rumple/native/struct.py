@@ -1,17 +1,16 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Structs of the C header in Python: what ctypes lacks to make settings of them."""
+"""Base classes and fields for the structs of the C header, so that they can be used as settings in Python."""
 from __future__ import annotations
 
 import ctypes
 from typing import Any, Mapping, Sequence
 
-put = ctypes.Structure.__setattr__  # of a field whose value is known to fit: a third of the time
-CHECKED = object()  # what a function returns that can fail: library.py raises it
+put = ctypes.Structure.__setattr__  # sets a field without a check, in a third of the time, if the value is known to fit
+CHECKED = object()  # result type of functions that return a status, which library.py turns into exceptions
 
 
 class Struct(ctypes.Structure):
-    """A plain struct of the header. Unlike ctypes, it takes no field that it does not have, and no number that does
-    not fit."""
+    """A plain struct of the header. Unlike ctypes, it refuses unknown fields and numbers out of range."""
 
     __slots__ = ()
 
@@ -29,12 +28,12 @@ class Struct(ctypes.Structure):
 
 
 def pointer_to(name: str) -> Any:
-    """The type of a pointer to an opaque struct: no two kinds of handles are taken for one another."""
+    """A new pointer type for an opaque struct, so that kinds of handles cannot be confused."""
     return ctypes.POINTER(type(name, (ctypes.Structure,), {}))
 
 
 class Within:
-    """A field of a struct inside a struct, as if it were one of the outer."""
+    """Makes a field of an inner struct available as a field of the outer struct."""
 
     def __init__(self, outer: str, doc: str) -> None:
         self.outer, self.__doc__ = outer, doc
@@ -50,8 +49,8 @@ class Within:
 
 
 class Choice:
-    """A field with a number that Python knows by the name of a choice. outer: the struct inside the struct that it is
-    a field of; empty: the struct itself."""
+    """A numeric field whose values have names in Python. outer: name of the inner struct that has the field; empty: the
+    struct itself."""
 
     def __init__(self, numbers: Mapping[str, int], doc: str = "", outer: str = "") -> None:
         self.numbers, self.outer = numbers, outer
@@ -95,7 +94,7 @@ class Vector:
 
 
 def chosen(name: str, argument: str, numbers: Mapping[str, int]) -> int:
-    """The number of a choice. Raises ValueError naming the argument and what there is."""
+    """The number of a choice. Raises ValueError with the name of the argument and the possible names."""
     try:
         return numbers[name]
     except (KeyError, TypeError):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The coarse base mesh, the mesh that is shown in its place, and frames of it: native/include/rumple/surface.h."""
+"""The coarse base mesh, the shown mesh that replaces it, and frames: native/include/rumple/surface.h."""
 from __future__ import annotations
 
 import ctypes
@@ -27,13 +27,13 @@ class Surface(Handle):
 
     @property
     def warnings(self) -> list[str]:
-        """What was tolerated, in words."""
+        """The texts of the warnings."""
         return [lib.rumple_surface_warning(self, number).decode() for number in range(self.view.warning_count)]
 
 
 class HealedMesh(Handle):
-    """A mesh that is no oriented manifold, as one that build_surface takes. Made by heal_mesh. n vertices: those of the
-    mesh, then copies; p polygons, c corners, t triangles."""
+    """A healed copy of a mesh, which build_surface accepts. Made by heal_mesh. n vertices: those of the mesh, then
+    copies; p polygons, c corners, t triangles."""
 
     __slots__ = ()
     POINTER, FREE = c.HealedPointer, "rumple_healed_free"
@@ -53,8 +53,8 @@ class HealedMesh(Handle):
 
 def heal_mesh(positions_rest: np.ndarray, polygon_start: np.ndarray, corner_vertex: np.ndarray,
               triangle_corner: np.ndarray, weld_seams: bool = True) -> HealedMesh:
-    """What build_surface takes, of any mesh. Arguments as there. Raises ValueError for what is not finite, an index out
-    of range, a polygon with fewer than three corners. Gueziec, Taubin, Lazarus and Horn 2001."""
+    """Makes any mesh acceptable for build_surface, with the same arguments (Gueziec, Taubin, Lazarus and Horn 2001).
+    Raises ValueError for values that are not finite, an index out of range, a polygon with fewer than three corners."""
     return HealedMesh.made(lib.rumple_healed_build,
                            _surface_plan(positions_rest, polygon_start, corner_vertex, triangle_corner, weld_seams))
 
@@ -67,7 +67,7 @@ def build_surface(positions_rest: np.ndarray, polygon_start: np.ndarray, corner_
     positions_rest: (n, 3) float32, object space. polygon_start: (p + 1,) int32, the first corner of every polygon and
     the number of corners. corner_vertex: (c,) int32. triangle_corner: (t, 3) int32, the corners of a triangulation of
     every polygon. weld_seams: join border vertices at one place. crease_edge: (k, 2) int32, vertices of edges that
-    subdivision rounds less. crease_sharpness: (k,) float32, for how many subdivisions, 0 or more; from 10 on for ever.
+    subdivision rounds less. crease_sharpness: (k,) float32, for how many subdivisions, 0 or more; 10 or more: always.
     Raises ValueError naming the first bad element.
     """
     plan = _surface_plan(positions_rest, polygon_start, corner_vertex, triangle_corner, weld_seams)
@@ -79,7 +79,7 @@ def build_surface(positions_rest: np.ndarray, polygon_start: np.ndarray, corner_
 
 def _surface_plan(positions_rest: np.ndarray, polygon_start: np.ndarray, corner_vertex: np.ndarray,
                   triangle_corner: np.ndarray, weld_seams: bool) -> Any:
-    """The arrays must outlive it."""
+    """The plan of a surface. The arrays must live as long as the plan."""
     plan = lib.rumple_surface_plan_default()
     fill(plan, "positions_rest", positions_rest, FLOAT, 3)
     fill(plan, "polygon_start", polygon_start, INT)
@@ -90,24 +90,24 @@ def _surface_plan(positions_rest: np.ndarray, polygon_start: np.ndarray, corner_
 
 
 def count_openings(surface: Surface) -> int:
-    """Of its connected parts the one with most: open borders that are not the outline of a sheet. A shirt has four, a
-    skirt two, a head one, and so have a head, two arms and two feet."""
+    """The number of openings of the connected part that has most of them. An opening is an open border that is not the
+    outline of a sheet. A shirt has four, a skirt two, a head one. Separate heads, arms and feet also give one."""
     openings = ctypes.c_int32()
     lib.rumple_surface_count_openings(surface, ctypes.addressof(openings))
     return openings.value
 
 
 def outer_side(surface: Surface, polygon_count: int) -> tuple[np.ndarray, float]:
-    """Of a garment whose thickness was modelled: (p,) bool, the polygons of its outer side and of parts without an
-    inner one; and the thickness, object units. All polygons and 0 where none is modelled."""
+    """The outer side of a garment with modelled thickness: (p,) bool, the polygons of the outer side and of parts
+    without an inner side; and the thickness, object units. All polygons and 0 if no thickness is modelled."""
     outer, thickness = new(BYTE, polygon_count), ctypes.c_float()
     lib.rumple_surface_outer_side(surface, address(outer), outer.size, ctypes.addressof(thickness))
     return outer.astype(bool), thickness.value
 
 
 def suggest_follow(surface: Surface, up: Sequence[float]) -> np.ndarray:
-    """(n,) float32: how firmly every vertex follows the animation, 0 to 1: collars, waistbands and cuffs, found from
-    the open borders at rest. up: three floats, unit, object space."""
+    """(n,) float32: how firmly every vertex follows the animation, 0 to 1. It is derived from the open borders at rest:
+    collars, waistbands and cuffs. up: three floats, unit, object space."""
     direction = np.array(up, np.float32)
     if direction.shape != (3,):
         raise ValueError(f"up: expected three floats, got {direction.shape}")
@@ -117,9 +117,9 @@ def suggest_follow(surface: Surface, up: Sequence[float]) -> np.ndarray:
 
 
 def rigid_motions(starts: np.ndarray, before: np.ndarray, after: np.ndarray) -> np.ndarray:
-    """(p, 4, 3) float32: the rigid motion of each of p parts that is nearest to what moved its points: the rotation R,
-    row by row, and the translation t; a point goes to R x + t. starts: (p + 1,) int32, the first point of each part,
-    and last their number n. before, after: (n, 3) float32. Cost: O(n)."""
+    """(p, 4, 3) float32: for each of p parts the rigid motion that fits the movement of its points best: the rows of
+    the rotation R, then the translation t. A point x moves to R x + t. starts: (p + 1,) int32, the first point of each
+    part, then the number of points n. before, after: (n, 3) float32. Cost: O(n)."""
     first, count = given(starts, "starts", INT)
     motions = new(FLOAT, max(count - 1, 0), 12)
     lib.rumple_rigid_motions(first, count, *given(before, "before", FLOAT, 3), *given(after, "after", FLOAT, 3),
@@ -128,7 +128,7 @@ def rigid_motions(starts: np.ndarray, before: np.ndarray, after: np.ndarray) -> 
 
 
 class CoarseMesh(Handle):
-    """A coarse mesh that stands for a dense one. Made by build_coarse. m vertices."""
+    """A coarse mesh that represents a dense one. Made by build_coarse. m vertices."""
 
     __slots__ = ("surface", "dense")
     POINTER, FREE = c.CoarsePointer, "rumple_coarse_free"
@@ -140,7 +140,7 @@ class CoarseMesh(Handle):
     mean_edge = Number("mean length of its edges, object units")
 
     def positions(self, dense: Surface, positions: np.ndarray) -> np.ndarray:
-        """(n, 3) float32 of the dense mesh's vertices -> (m, 3), such that the smooth surfaces lie on one another."""
+        """(n, 3) float32 of the dense mesh's vertices -> (m, 3), so that both smooth surfaces coincide."""
         if dense is not self.dense:
             raise ValueError("dense: the coarse mesh was made for another mesh")
         place, count = given(positions, "positions", FLOAT, 3)
@@ -150,16 +150,16 @@ class CoarseMesh(Handle):
 
 
 def build_coarse(dense: Surface, spacing: float, part: Surface | None = None) -> CoarseMesh:
-    """spacing: about the mean length of its edges, object units. part: some of the polygons of the dense mesh over all
-    of its vertices, which it stands for; None: all of it. Raises ValueError where the mesh is too small for it. Peyre
-    and Cohen 2006."""
+    """A coarse mesh for a dense one (Peyre and Cohen 2006). spacing: approximate mean edge length, object units. part:
+    a surface with some polygons and all vertices of the dense mesh, to represent only these; None: all. Raises
+    ValueError if the mesh is too small for it."""
     coarse = CoarseMesh.made(lib.rumple_coarse_build_of, dense, part or dense, spacing)
     coarse.dense, coarse.surface = dense, Surface.made(lib.rumple_coarse_surface, coarse)
     return coarse
 
 
 class ShownMesh(Handle):
-    """The mesh that is shown in place of the base: d vertices, q polygons, k corners. Part of a model."""
+    """The mesh that is shown instead of the base: d vertices, q polygons, k corners. Part of a model."""
 
     __slots__ = ("_model",)
     _model: Handle
@@ -177,7 +177,7 @@ class ShownMesh(Handle):
     barycentric = Array("(d, 2) float32: weights of the second and third of them", FLOAT, "vertex_count", 2)
 
     def __init__(self, model: Handle, pointer: Any) -> None:
-        """Borrowed from a model, which it keeps."""
+        """Borrowed from a model, which it keeps alive."""
         self._model, self._as_parameter_, self._seen = model, pointer, None
 
     def carry_points(self, values: np.ndarray, source_vertices: int) -> np.ndarray:
@@ -202,7 +202,7 @@ class ShownMesh(Handle):
 
 
 class Model(Handle):
-    """What a model of any system is. SHOWN: the function that lends its shown mesh."""
+    """Base class of the models of all systems. SHOWN: the function that returns the borrowed shown mesh."""
 
     __slots__ = ()
     SHOWN = ""
@@ -225,7 +225,7 @@ class SteppedModel(Model):
 
     @property
     def shown_in_viewport(self) -> ShownMesh:
-        """The mesh that is shown in viewports; where it has no fewer steps, that of renders."""
+        """The mesh that is shown in viewports. It is the mesh of renders if it does not have fewer steps."""
         return ShownMesh(self, getattr(lib, self.SHOWN)(self, True))
 
 
@@ -233,7 +233,7 @@ F = TypeVar("F", bound="ShownFrame")
 
 
 class ShownFrame(Handle):
-    """What every system shows of a frame; d vertices of the shown mesh."""
+    """The shown mesh of one frame, of any system; d vertices."""
 
     __slots__ = ("_model",)
     _model: Handle
@@ -257,8 +257,8 @@ class ShownFrame(Handle):
 
 
 def embed_frame(base: Surface, shown: ShownMesh, positions: np.ndarray, frame: ShownFrame) -> None:
-    """Embeds a frame in other positions, (n, 3) float32, of the base: its local_offset anew, also in arrays that were
-    taken before. base, shown: those of the frame's model."""
+    """Embeds a frame in other positions, (n, 3) float32, of the base. local_offset is computed again, also in arrays
+    that were read before. base, shown: those of the frame's model."""
     if shown._model is not frame._model:
         raise ValueError("frame: it was made for another model")
     place, count = given(positions, "positions", FLOAT, 3)
@@ -267,7 +267,7 @@ def embed_frame(base: Surface, shown: ShownMesh, positions: np.ndarray, frame: S
     lib.rumple_frame_embed(frame, place, count)
 
 
-# ---------------------------------------------------------------- what all systems take
+# ---------------------------------------------------------------- arguments of all systems
 def fine_plan(plan: Any, source: str, level: int, segments: int, longest_edge: float, most_vertices: int,
               attachment: str, sources: Sequence[str] = ("SUBDIVISION", "REGULAR", "EDGE_LENGTH")) -> None:
     """Fills a plan of a fine mesh."""
@@ -280,7 +280,7 @@ def fine_plan(plan: Any, source: str, level: int, segments: int, longest_edge: f
 def pose(positions: np.ndarray, time: float = 0.0, labels: np.ndarray | None = None,
          next_positions: np.ndarray | None = None, next_time: float = 0.0,
          world_from_object: np.ndarray | None = None) -> Any:
-    """The base in one frame. positions: (n, 3) float32. The arrays must outlive it."""
+    """The struct of the base in one frame. positions: (n, 3) float32. The arrays must live as long as the struct."""
     out = lib.rumple_pose_default()
     place, count = given(positions, "positions", FLOAT, 3)
     put(out, "positions", place)
@@ -300,34 +300,34 @@ def pose(positions: np.ndarray, time: float = 0.0, labels: np.ndarray | None = N
 
 
 class FramePose(Handle):
-    """What the positions of one frame make of a model: made once a frame, handed to all that is asked of the frame.
-    BUILD: the function that makes it."""
+    """The pose of a model in one frame. Make it once per frame, and pass it to all functions for this frame. BUILD: the
+    function that makes it."""
 
     __slots__ = ()
     BUILD = ""
 
     @classmethod
     def of(cls, model: Any, positions: "np.ndarray | FramePose", *others: Any) -> Any:
-        """positions, others: as pose() takes them; or a pose, which is returned as it is."""
+        """positions, others: arguments of pose(); or a pose, which is returned unchanged."""
         if isinstance(positions, FramePose):
             return positions
         return cls.made(getattr(lib, cls.BUILD), model, pose(positions, *others))
 
 
 class FrameState(Handle):
-    """What a system keeps from one frame to the next. Its class makes the same state, to the bit, of the arrays."""
+    """Base class of the states of all systems. of() of the class makes the same state from the arrays, bit for bit."""
 
     __slots__ = ()
     nbytes = Number("memory of the state", "bytes")
 
     @property
     def arrays(self) -> dict[str, Any]:
-        """A dict of plain arrays."""
+        """The state as plain arrays."""
         raise NotImplementedError
 
 
 class ReferenceSettings:
-    """The settings of the reference triangles among those of a system."""
+    """The settings of adaptive rest shapes, as part of a system's settings."""
 
     __slots__ = ()
     window = Within("rest", "seconds; labels compare with the pose so long ago; 0: the previous frame")
@@ -342,7 +342,7 @@ REFERENCE_ARRAYS: Shapes = {
 
 
 def stored_array(arrays: dict[str, Any], name: str) -> Any:
-    """Raises ValueError where there is none."""
+    """One of the arrays. Raises ValueError if it is missing."""
     if name not in arrays:
         raise ValueError(f"state: expected an array {name}, got none")
     return arrays[name]
@@ -352,7 +352,7 @@ N = TypeVar("N", int, float)
 
 
 def stored_number(arrays: dict[str, Any], name: str, kind: Callable[[Any], N]) -> N:
-    """Raises ValueError where there is none, or what is no number of that kind."""
+    """One of the numbers. Raises ValueError if it is missing or not a number of this kind."""
     try:
         return kind(arrays[name])
     except (KeyError, TypeError, ValueError, OverflowError):
@@ -360,26 +360,28 @@ def stored_number(arrays: dict[str, Any], name: str, kind: Callable[[Any], N]) -
 
 
 def fill_stored(view: Any, arrays: dict[str, Any], shapes: Shapes) -> None:
-    """Puts plain arrays into a view, by name. They must outlive it. Raises ValueError where one is missing or wrong."""
+    """Puts plain arrays into a view, by name. They must live as long as the view. Raises ValueError if one is missing
+    or wrong."""
     for name, (dtype, columns) in shapes.items():
         fill(view, name, stored_array(arrays, name), dtype, columns)
 
 
 def fill_reference(view: Any, arrays: dict[str, Any]) -> None:
-    """The state of the reference triangles, from plain arrays. They must outlive it."""
+    """Fills the state of the reference triangles from plain arrays. They must live as long as the view."""
     view.time = stored_number(arrays, "time", float)
     fill_stored(view, arrays, REFERENCE_ARRAYS)
 
 
 def reference_arrays(owner: Handle, view: Any) -> dict[str, Any] | None:
-    """The state of the reference triangles in a handle as plain arrays; None where there is none."""
+    """The state of the reference triangles in a handle as plain arrays; None if it has none."""
     return {"time": view.time, **lent_all(owner, view, REFERENCE_ARRAYS)} if view.reference_count else None
 
 
 def label_clip(model: Any, settings: Any, times: np.ndarray, positions: np.ndarray, raw: bool = False) -> np.ndarray:
-    """Labels of a whole clip in one cut, (f, t) uint8: 0 compress, 1 rest, 2 stretch. times: (f,) float64, seconds,
-    ascending. positions: (f n, 3) float32, frame after frame. raw: every triangle's cheapest label for itself. Cost:
-    about 1 ms and half a megabyte per frame and 1,000 triangles. Gillette 2015, section 4.1.2."""
+    """Labels of a whole clip by one graph cut, (f, t) uint8: 0 compress, 1 rest, 2 stretch (Gillette 2015, section
+    4.1.2). times: (f,) float64, seconds, ascending. positions: (f n, 3) float32, frame after frame. raw: every triangle
+    gets the label that is cheapest for itself, without a cut. Cost: about 1 ms and half a megabyte per frame and 1,000
+    triangles."""
     when, frames = given(times, "times", DOUBLE)
     where, points = given(positions, "positions", FLOAT, 3)
     labels = new(BYTE, frames, model.base.triangle_count)

@@ -19,7 +19,7 @@ PROFILE_INTERVALS = c.PROFILE_INTERVALS
 
 
 class WrinkleFieldModel(Model):
-    """Neighbourhoods of a base at rest, and the mesh to show. Made by build_wrinkle_field. w welded vertices."""
+    """Neighbourhoods of a base at rest, and the shown mesh. Made by build_wrinkle_field. w welded vertices."""
 
     __slots__ = ("base",)
     base: Surface
@@ -53,11 +53,11 @@ def build_wrinkle_field(base: Surface, output: str = "SHADING", uv: np.ndarray |
                         source: str = "SUBDIVISION", level: int = 2, segments: int = 4, longest_edge: float = 0.01,
                         most_vertices: int = 4_000_000, attachment: str = "LIMIT",
                         true_lengths: bool = True) -> WrinkleFieldModel:
-    """What the rest pose fixes (Loviscach 2006, section 3).
+    """The model of a base at rest (Loviscach 2006, section 3).
 
     output: SHADING (the base's triangles; uv: (c, 2) float32 per corner of the base, for parallax) or GEOMETRY (a fine
-    mesh, made as by build_wrinkle_mesh). true_lengths False: projected lengths in equation (1), as printed. Raises
-    ValueError.
+    mesh, made as in build_wrinkle_mesh). true_lengths: False: projected lengths in equation (1), as in the paper.
+    Raises ValueError.
     """
     plan = lib.rumple_wrinkle_field_plan_default()
     plan.output = chosen(output, "output", c.FIELD_OUTPUT)
@@ -79,7 +79,7 @@ class WrinkleFieldSettings(c.WrinkleFieldSettings, ReferenceSettings):
 
 
 class _Paint(Handle):
-    """Painted values as one model has them."""
+    """Painted values, carried to one model."""
 
     __slots__ = ("model",)
     model: WrinkleFieldModel
@@ -92,8 +92,8 @@ class WrinkleFieldPaint:
     COLUMNS = dict(mask=0, wavelength=0, rest_wrinkle=3, along=3)
 
     def __init__(self, painted: dict[str, np.ndarray] | None = None) -> None:
-        """painted: any of mask (n,) 0..1, wavelength (n,) factor > 0, rest_wrinkle (n, 3) shorter than 1, along (n, 3),
-        where waves are to run, a direction at rest of a length of 0..1; float32."""
+        """painted: any of mask (n,) 0..1, wavelength (n,) factor > 0, rest_wrinkle (n, 3) shorter than 1, along (n, 3)
+        the direction of the crests at rest, with a length of 0..1; float32."""
         for name in painted or {}:
             chosen(name, "paint", {known: 0 for known in self.COLUMNS})
         self._arrays = {name: checked(values, name, FLOAT, self.COLUMNS[name]).copy()
@@ -101,7 +101,7 @@ class WrinkleFieldPaint:
         self._made: _Paint | None = None
 
     def of(self, model: WrinkleFieldModel) -> _Paint:
-        """As the library takes it. Raises ValueError where it does not match the model."""
+        """The library's paint for a model. Raises ValueError if it does not match the model."""
         if self._made is None or self._made.model is not model:
             values = c.WrinkleFieldPainted()
             for name, array in self._arrays.items():
@@ -111,7 +111,7 @@ class WrinkleFieldPaint:
         return self._made
 
 
-# ctypes' own fields, under the arrays of the same names.
+# The fields of ctypes, which the properties with the same names below hide.
 _HEIGHT: Any = c.WrinkleFieldProfile.height
 _SLOPE: Any = c.WrinkleFieldProfile.slope
 
@@ -141,7 +141,7 @@ class WrinkleFieldProfile(c.WrinkleFieldProfile):
 
 
 class WrinkleFieldWaves(Handle):
-    """The field of a frame before its phases; w welded vertices."""
+    """The waves of a frame without their phases; w welded vertices."""
 
     __slots__ = ()
     POINTER, FREE = c.WavesPointer, "rumple_waves_free"
@@ -158,7 +158,7 @@ class WrinkleFieldWaves(Handle):
 
 
 class WrinkleFieldPose(FramePose):
-    """What the positions of one frame make of a model. Made by WrinkleFieldPose.of(model, positions, ...).
+    """The pose of a model in one frame. Made by WrinkleFieldPose.of(model, positions, ...).
 
     solved: the waves of the last frame that was solved in this pose, for show_wrinkle_field; or None.
     """
@@ -177,7 +177,7 @@ class WrinkleFieldPose(FramePose):
 
 
 class WrinkleFieldState(FrameState):
-    """What is kept from frame to frame."""
+    """The solver's state, which is kept from frame to frame."""
 
     __slots__ = ()
     POINTER, FREE = c.WrinkleFieldStatePointer, "rumple_wrinkle_field_state_free"
@@ -189,7 +189,7 @@ class WrinkleFieldState(FrameState):
 
     def __init__(self, model: WrinkleFieldModel, phase: np.ndarray, direction: np.ndarray, solved_offset: np.ndarray,
                  reference: dict[str, Any] | None = None) -> None:
-        """From what the properties of those names gave."""
+        """From the values of the properties with these names."""
         arrays = c.WrinkleFieldStateView()
         fill(arrays, "phase", phase, FLOAT)
         fill(arrays, "direction", direction, FLOAT, 2)
@@ -200,28 +200,28 @@ class WrinkleFieldState(FrameState):
 
     @property
     def reference(self) -> dict[str, Any] | None:
-        """Of an adaptive rest shape: a dict of plain arrays; else None."""
+        """The adaptive rest shape as plain arrays, or None."""
         return reference_arrays(self, self.view.reference)
 
     @property
     def arrays(self) -> dict[str, Any]:
-        """A dict of plain arrays that the same state can be made of, to the bit."""
+        """The state as plain arrays. of() makes the same state from them, bit for bit."""
         return {"phase": self.phase, "direction": self.direction, "solved_offset": self.solved_offset,
                 **(self.reference or {})}
 
     @classmethod
     def of(cls, model: WrinkleFieldModel, arrays: dict[str, Any]) -> "WrinkleFieldState":
-        """From what `arrays` gave."""
+        """The state from the plain arrays of `arrays`."""
         phase, direction, offset = (stored_array(arrays, name) for name in ("phase", "direction", "solved_offset"))
         return cls(model, phase, direction, offset, arrays if "time" in arrays else None)
 
     def activated(self) -> "WrinkleFieldState":
-        """The same phases with no vertex held: for a solve with other settings."""
+        """The same phases, but no vertex is asleep. Use it before a solve with other settings."""
         return WrinkleFieldState.made(lib.rumple_wrinkle_field_state_activated, self)
 
 
 class WrinkleFieldReport(c.WrinkleFieldReport):
-    """How a solve went."""
+    """The report on a solve."""
 
     __slots__ = ()
 
@@ -262,12 +262,12 @@ def solve_wrinkle_field(model: WrinkleFieldModel, settings: WrinkleFieldSettings
                         positions: np.ndarray | WrinkleFieldPose, state: WrinkleFieldState | None = None,
                         time: float = 0.0, labels: np.ndarray | None = None, next_positions: np.ndarray | None = None,
                         next_time: float = 0.0) -> tuple[WrinkleFieldState, WrinkleFieldReport]:
-    """Solve one frame; returns (state, report). positions: (n, 3) float32, deformed base, object space; or the pose
-    that was made of them and of all that follows state.
+    """Solve one frame; returns (state, report). positions: (n, 3) float32, deformed base, object space; or a pose. With
+    a pose, the arguments after state are not used.
 
-    state: of the frame before, or None for the canonical start. The rest is for a rest shape that adapts: time:
-    seconds. labels: (t,) uint8 of label_clip. next_positions, next_time: the frame to come, to look ahead when labels
-    are cut. Raises ValueError. Sections 4.2 and 5.2.
+    state: of the frame before, or None for the canonical start. The other arguments are for adaptive rest shapes. time:
+    seconds. labels: (t,) uint8 from label_clip. next_positions, next_time: the next frame, which labelling looks ahead
+    to. Raises ValueError. Sections 4.2 and 5.2.
     """
     pose = WrinkleFieldPose.of(model, positions, time, labels, next_positions, next_time)
     report, waves = WrinkleFieldReport(), WrinkleFieldWaves.POINTER()
@@ -281,8 +281,8 @@ def show_wrinkle_field(model: WrinkleFieldModel, settings: WrinkleFieldSettings,
                        paint: WrinkleFieldPaint, positions: np.ndarray | WrinkleFieldPose, state: WrinkleFieldState,
                        gap: np.ndarray | None = None, waves: WrinkleFieldWaves | None = None) -> WrinkleFieldPicture:
     """The shown mesh for a frame and its state, and the waves for shaders. gap: (n,) float32, how far the waves of a
-    fine mesh may go inwards, object units; None: as far as outwards. waves: `solved` of the pose, where the state was
-    solved in it under the same settings; None: they are estimated again, the same to the bit."""
+    fine mesh may move inwards, object units; None: as far as outwards. waves: `solved` of the pose, if the state was
+    solved in it with the same settings; None: they are estimated again, with the same bits."""
     return WrinkleFieldPicture.of(model, lib.rumple_wrinkle_field_show, model, settings, profile, paint.of(model),
                                   WrinkleFieldPose.of(model, positions), *optional(gap, "gap", FLOAT), waves, state)
 

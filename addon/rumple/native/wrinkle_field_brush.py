@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Painting wrinkles of the rest pose: native/include/rumple/wrinkle_field_brush.h. Loviscach 2006, section 7."""
+"""Painting of rest-pose wrinkles: native/include/rumple/wrinkle_field_brush.h. Loviscach 2006, section 7."""
 from __future__ import annotations
 
 import ctypes
@@ -18,7 +18,7 @@ LONGEST_PAINTED = float(np.float32(c.LONGEST_PAINTED))
 
 
 class WrinkleFieldCanvas(Handle):
-    """A pose under the brush. Made by lay_out_canvas."""
+    """A pose that is painted on. Made by lay_out_canvas."""
 
     __slots__ = ("model",)
     model: WrinkleFieldModel
@@ -30,7 +30,7 @@ class WrinkleFieldTwins(Handle):
 
     __slots__ = ("found",)
     POINTER, FREE = c.TwinsPointer, "rumple_twins_free"
-    found: int  # welded vertices that have one
+    found: int  # number of welded vertices that have a mirror image
 
 
 class _Lines(Handle):
@@ -43,14 +43,14 @@ class _Lines(Handle):
 
 
 def lay_out_canvas(model: WrinkleFieldModel, positions: np.ndarray) -> WrinkleFieldCanvas:
-    """positions: (n, 3) float32, deformed base, in any space: the one that dabs are then given in."""
+    """positions: (n, 3) float32, deformed base, in any space. Dabs must be in the same space."""
     canvas = WrinkleFieldCanvas.made(lib.rumple_canvas_build, model, *given(positions, "positions", FLOAT, 3))
     canvas.model = model
     return canvas
 
 
 def find_twins(model: WrinkleFieldModel) -> WrinkleFieldTwins:
-    """Where the mirror image in x = 0 of every vertex lies on the rest surface."""
+    """For every vertex, the place on the rest surface of its mirror image in x = 0."""
     found = ctypes.c_int32()
     twins = WrinkleFieldTwins.made(lib.rumple_twins_build, model, ctypes.addressof(found))
     twins.found = found.value
@@ -61,7 +61,7 @@ def apply_dab(model: WrinkleFieldModel, canvas: WrinkleFieldCanvas, painted: np.
               centre: Sequence[float], normal: Sequence[float], view: Sequence[float],
               direction: Sequence[float] = (1.0, 0.0, 0.0), across: bool = False, radius: float, strength: float = 1.0,
               length: float = 0.7, falloff: str = "SMOOTH", twins: WrinkleFieldTwins | None = None) -> np.ndarray:
-    """Section 7: the brush set down once; returns painted anew.
+    """Section 7: the painted values after one dab of the brush.
 
     painted: (n, 3) float32 of the base's vertices, rest space, shorter than 1. touch: PAINT, ERASE or SMOOTH. centre,
     radius: the sphere that is touched. normal: of the surface at the centre. view: from the viewer to it. direction:
@@ -85,9 +85,10 @@ def apply_dab(model: WrinkleFieldModel, canvas: WrinkleFieldCanvas, painted: np.
 
 def scatter_rest_wrinkles(model: WrinkleFieldModel, seed: int = 0, density: float = 0.5, size: float = 0.1,
                           length: float = 0.7) -> np.ndarray:
-    """Random rest-pose wrinkles, (n, 3) float32: a function of the arguments and the rest positions.
+    """Random rest-pose wrinkles, (n, 3) float32. They depend only on the arguments and the rest positions.
 
-    density: share of the vertices, 0..1. size: over which they change, object units. length: of the longest.
+    density: share of the vertices with wrinkles, 0..1. size: distance over which they change, object units. length: of
+    the longest vectors.
     """
     scatter = lib.rumple_scatter_default()
     scatter.seed, scatter.density, scatter.size, scatter.length = seed, density, size, length

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The steps of a frame of the Wrinkle Field, for who draws the waves himself, and for tests."""
+"""The steps of a frame of the Wrinkle Field, for the GPU preview and for tests."""
 from __future__ import annotations
 
 import ctypes
@@ -14,18 +14,18 @@ from .wrinkle_field import WrinkleFieldState, WrinkleFieldWaves
 
 
 class WrinkleFieldWaveParameters:
-    """What settings and paint ask of the w welded vertices."""
+    """The wave parameters that settings and paint give the w welded vertices."""
 
     def __init__(self, count: int) -> None:
         self.wavelength = new(FLOAT, count)  # (w,) W, object units
         self.mask = new(FLOAT, count)  # (w,) factor on the amplitude
         self.rest_wrinkle = new(FLOAT, count, 2)  # (w, 2) q, rest frame
-        self.turn = new(FLOAT, count, 2)  # (w, 2) (cos, sin) of the turn away from k
+        self.turn = new(FLOAT, count, 2)  # (w, 2) (cos, sin) of the rotation away from k
 
 
 def wave_parameters_wrinkle_field(model: WrinkleFieldModel, settings: WrinkleFieldSettings,
                                   paint: WrinkleFieldPaint) -> WrinkleFieldWaveParameters:
-    """What settings and paint ask of every welded vertex, whatever the pose."""
+    """The wave parameters that settings and paint give every welded vertex. They do not depend on the pose."""
     found = WrinkleFieldWaveParameters(model.vertex_count)
     lib.rumple_wrinkle_field_get_wave_parameters(model, settings, paint.of(model), c.WrinkleFieldWaveParameters(
         *map(address, (found.wavelength, found.mask, found.rest_wrinkle, found.turn)), model.vertex_count))
@@ -33,7 +33,7 @@ def wave_parameters_wrinkle_field(model: WrinkleFieldModel, settings: WrinkleFie
 
 
 def probe_formula(formula: int, arguments: np.ndarray) -> np.ndarray:
-    """For tests: (n, 16) float32 through shaders/shared/wrinkle_field_probe.glsl."""
+    """For tests: evaluates shaders/shared/wrinkle_field_probe.glsl for (n, 16) float32."""
     place, count = given(arguments, "arguments", FLOAT, 16)
     out = new(FLOAT, count, 16)
     lib.rumple_probe_formula(formula, place, count, address(out))
@@ -58,7 +58,7 @@ def shown_waves_wrinkle_field(model: WrinkleFieldModel, settings: WrinkleFieldSe
 
 def reference_stretches(model: WrinkleFieldModel, state: WrinkleFieldState, positions: np.ndarray) -> np.ndarray:
     """(w, 3) float32: the stretch (xx, xy, yy) of every welded vertex from the reference triangles around it, rest
-    frame; empty where the rest shape does not adapt."""
+    frame; empty if the rest shape is not adaptive."""
     stretches, adapts = new(FLOAT, model.vertex_count, 3), ctypes.c_bool()
     lib.rumple_wrinkle_field_stretches(model, state, *given(positions, "positions", FLOAT, 3), address(stretches),
                                        len(stretches), ctypes.addressof(adapts))
@@ -67,7 +67,7 @@ def reference_stretches(model: WrinkleFieldModel, state: WrinkleFieldState, posi
 
 def relax_wrinkle_field(model: WrinkleFieldModel, settings: WrinkleFieldSettings, waves: WrinkleFieldWaves,
                         rounds: int, phase: np.ndarray, align: bool = False) -> np.ndarray:
-    """Section 5.2: so many rounds of equation (6), from phases (w,) float32."""
+    """Section 5.2: the phases after `rounds` rounds of equation (6). phase: (w,) float32, at the start."""
     given(phase, "phase", FLOAT)
     phases = phase.copy()
     lib.rumple_wrinkle_field_relax(model, settings, waves, rounds, align, address(phases), len(phases))
@@ -82,7 +82,7 @@ def misfit_wrinkle_field(model: WrinkleFieldModel, waves: WrinkleFieldWaves, pha
 
 
 def random_phases(model: WrinkleFieldModel, seed: int) -> np.ndarray:
-    """(w,) float32: the phases that a clip starts from."""
+    """(w,) float32: the phases at the start of a clip."""
     phases = new(FLOAT, model.vertex_count)
     lib.rumple_wrinkle_field_random_phases(model, seed, address(phases), len(phases))
     return phases

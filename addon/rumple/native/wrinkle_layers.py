@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Wrinkle Meshes, one on the other: native/include/rumple/wrinkle_layers.h."""
+"""Wrinkle Layers, several Wrinkle Meshes on top of each other: native/include/rumple/wrinkle_layers.h."""
 from __future__ import annotations
 
 import ctypes
@@ -17,7 +17,7 @@ from .wrinkle_mesh import PAINTED, WrinkleMeshReport, WrinkleMeshSettings, paint
 
 
 class WrinkleMeshLayers(SteppedModel):
-    """Wrinkle Meshes, one on the other. Made by build_wrinkle_layers."""
+    """The model: several Wrinkle Meshes on top of each other. Made by build_wrinkle_layers."""
 
     __slots__ = ("base",)
     base: Surface
@@ -39,8 +39,8 @@ class WrinkleMeshLayers(SteppedModel):
 
 def build_wrinkle_layers(base: Surface, levels: int, display_steps: int = 1, most_vertices: int = 4_000_000,
                          viewport_steps: int | None = None) -> WrinkleMeshLayers:
-    """The base mesh and `levels` subdivisions of it, each a layer that is solved over the one before. viewport_steps:
-    those of the mesh that viewports show; None: as display_steps."""
+    """The base mesh and `levels` subdivisions of it. Each is a layer that is solved over the one before.
+    viewport_steps: display steps of the mesh for viewports; None: display_steps."""
     plan = lib.rumple_wrinkle_layers_plan_default()
     plan.levels, plan.display_steps, plan.most_vertices = levels, display_steps, most_vertices
     plan.viewport_steps = display_steps if viewport_steps is None else viewport_steps
@@ -56,8 +56,9 @@ class WrinkleLayersPaint(Handle):
     POINTER, FREE = c.WrinkleLayersPaintPointer, "rumple_wrinkle_layers_paint_free"
 
     def __init__(self, model: WrinkleMeshLayers, painted: dict[str, np.ndarray], strength: Sequence[str]) -> None:
-        """painted: names -> (n,) float32 of the base's vertices, 0..1: radius, prestretch, bending, inside, worn, and
-        those in strength: for every layer the name of what scales its radius; and along, as WrinkleMeshPaint has it."""
+        """painted: names -> (n,) float32 of the base's vertices, 0..1: radius, prestretch, bending, inside, worn and
+        the names in strength; and along, see WrinkleMeshPaint. strength: for every layer the name of the paint that
+        scales its radius."""
         if len(strength) != model.count:
             raise ValueError(f"strength: expected {model.count} names, one per layer, got {len(strength)}")
         values = c.WrinkleLayersPainted()
@@ -73,7 +74,7 @@ class WrinkleLayersPaint(Handle):
 
 
 class WrinkleLayersState(FrameState):
-    """What is kept from frame to frame."""
+    """The solver's state, which is kept from frame to frame."""
 
     __slots__ = ()
     POINTER, FREE = c.WrinkleLayersStatePointer, "rumple_wrinkle_layers_state_free"
@@ -91,8 +92,8 @@ class WrinkleLayersState(FrameState):
 
     @property
     def arrays(self) -> dict[str, Any]:
-        """A dict of plain arrays that the same state can be made of, to the bit: those of a layer begin with its
-        number."""
+        """The state as plain arrays. of() makes the same state from them, bit for bit. Names of a layer's arrays begin
+        with its number."""
         out: dict[str, Any] = {"solved": self.solved}
         for layer in range(self.view.layer_count):
             view = c.WrinkleMeshStateView()
@@ -102,7 +103,7 @@ class WrinkleLayersState(FrameState):
 
     @classmethod
     def of(cls, model: WrinkleMeshLayers, arrays: dict[str, Any]) -> "WrinkleLayersState":
-        """From what `arrays` gave."""
+        """The state from the plain arrays of `arrays`."""
         views = (c.WrinkleMeshStateView * model.count)()
         for layer, view in enumerate(views):
             for name, (dtype, columns) in cls.OF_A_LAYER.items():
@@ -111,7 +112,7 @@ class WrinkleLayersState(FrameState):
                         *given(stored_array(arrays, "solved"), "solved", FLOAT, 3))
 
     def activated(self) -> "WrinkleLayersState":
-        """The same offsets with no vertex held: for a solve with other settings."""
+        """The same offsets, but no vertex is asleep. Use it before a solve with other settings."""
         return WrinkleLayersState.made(lib.rumple_wrinkle_layers_state_activated, self)
 
 
@@ -122,10 +123,10 @@ def solve_wrinkle_layers(model: WrinkleMeshLayers, settings: Sequence[WrinkleMes
                          state: WrinkleLayersState | None = None) -> tuple[WrinkleLayersState, list[Any]]:
     """Solve one frame; returns (state, [report of each layer]). settings: one for each layer, coarse first.
 
-    positions: (n, 3) float32, deformed base or base cloth, object space. gap: (n,) float32: how far each vertex may go
-    inwards, object units. collider, body_positions: bodies in this pose; body_hint: of solve_base_cloth; thickness:
-    how far cloth stays off them, object units; inner: how far an inner side reaches below it. state: of the frame
-    before, or None. Raises ValueError.
+    positions: (n, 3) float32, deformed base or base cloth, object space. gap: (n,) float32: how far each vertex may
+    move inwards, object units. collider, body_positions: bodies in this pose. body_hint: from solve_base_cloth.
+    thickness: how far cloth stays off bodies, object units. inner: how far the garment's inner side is below the cloth.
+    state: of the frame before, or None. Raises ValueError.
     """
     over = lib.rumple_wrinkle_layers_input_default()
     fill(over, "positions", positions, FLOAT, 3)
@@ -145,14 +146,14 @@ def solve_wrinkle_layers(model: WrinkleMeshLayers, settings: Sequence[WrinkleMes
 
 def show_wrinkle_layers(model: WrinkleMeshLayers, animated: np.ndarray, positions: np.ndarray,
                         state: WrinkleLayersState, in_viewport: bool = False) -> ShownFrame:
-    """The ShownFrame of a solved frame. animated: (n, 3) float32 of the base before it became cloth, which the shown
-    mesh is embedded in. positions: (n, 3) float32, as they were solved. in_viewport: of model.shown_in_viewport."""
+    """The ShownFrame of a solved frame. animated: (n, 3) float32 of the animated base, without base cloth; the shown
+    mesh is embedded in it. positions: (n, 3) float32, as in the solve. in_viewport: for model.shown_in_viewport."""
     return ShownFrame.of(model, lib.rumple_wrinkle_layers_show, model, *given(animated, "animated", FLOAT, 3),
                          *given(positions, "positions", FLOAT, 3), state, in_viewport)
 
 
 class WrinkleTransfer(SteppedModel):
-    """What shows layers over a coarse mesh on the dense one. Made by build_wrinkle_transfer."""
+    """Shows the layers of a coarse mesh on the dense mesh. Made by build_wrinkle_transfer."""
 
     __slots__ = ("coarse", "layers")
     coarse: CoarseMesh
@@ -164,8 +165,8 @@ class WrinkleTransfer(SteppedModel):
 def build_wrinkle_transfer(base: Surface, coarse: CoarseMesh, layers: WrinkleMeshLayers, level: int,
                            display_steps: int = 0, most_vertices: int = 4_000_000,
                            viewport_steps: int | None = None) -> WrinkleTransfer:
-    """base: the dense mesh. level: its subdivisions that are moved; display_steps: of these that are shown;
-    viewport_steps: in viewports, None: as many. Raises ValueError."""
+    """base: the dense mesh. level: its subdivisions whose vertices are moved. display_steps: further subdivisions of
+    the shown mesh. viewport_steps: the same for viewports; None: display_steps. Raises ValueError."""
     plan = lib.rumple_wrinkle_transfer_plan_default()
     plan.level, plan.display_steps, plan.most_vertices = level, display_steps, most_vertices
     plan.viewport_steps = display_steps if viewport_steps is None else viewport_steps
@@ -176,8 +177,8 @@ def build_wrinkle_transfer(base: Surface, coarse: CoarseMesh, layers: WrinkleMes
 
 def show_wrinkle_transfer(transfer: WrinkleTransfer, coarse: CoarseMesh, layers: WrinkleMeshLayers,
                           animated: np.ndarray, state: WrinkleLayersState, in_viewport: bool = False) -> ShownFrame:
-    """The ShownFrame of a solved frame. animated: (n, 3) float32 of the dense mesh before it became cloth. coarse,
-    layers: those that the transfer was built with. in_viewport: of transfer.shown_in_viewport."""
+    """The ShownFrame of a solved frame. animated: (n, 3) float32 of the animated dense mesh, without base cloth.
+    coarse, layers: those that the transfer was built with. in_viewport: for transfer.shown_in_viewport."""
     if transfer.coarse is not coarse or transfer.layers is not layers:
         raise ValueError("transfer: it was made for another coarse mesh or other layers")
     return ShownFrame.of(transfer, lib.rumple_wrinkle_transfer_show, transfer, *given(animated, "animated", FLOAT, 3),

@@ -47,10 +47,10 @@ def build_wrinkle_maps(names: Sequence[str], tracked: Sequence[str], group: np.n
                        weight: np.ndarray) -> WrinkleMapsModel:
     """Reference poses and skin weights (Dutreve et al. 2009, section 5).
 
-    names: of the b bones. tracked: b of HEAD, TAIL, BOTH, KEY. group: (b,) int32, -1: on its own. neutral: (b, 6)
-    float32, heads and tails in root space; of a shape key, KEY, the first is its value. poses: at most MOST_POSES of
-    (name, (b, 6) float32). Weights of n vertices: weight_start (n + 1,) int32 into weight_bone int32 (-1: a bone that
-    is not listed) and weight float32. Raises ValueError.
+    names: of the b bones. tracked: HEAD, TAIL, BOTH or KEY for each. group: (b,) int32, -1: none. neutral: (b, 6)
+    float32, heads and tails in root space; for a shape key (KEY) the first number is its value. poses: at most
+    MOST_POSES of (name, (b, 6) float32). Weights of n vertices: weight_start (n + 1,) int32, rows of weight_bone int32
+    (-1: a bone that is not listed) and of weight float32. Raises ValueError.
     """
     plan = c.WrinkleMapsPlan()
     called = (ctypes.c_char_p * len(names))(*(name.encode() for name in names))
@@ -71,7 +71,7 @@ def build_wrinkle_maps(names: Sequence[str], tracked: Sequence[str], group: np.n
 
 
 class WrinkleMapsInfluences:
-    """Of the reference poses on every bone, in one frame."""
+    """The influences of the reference poses on every bone, in one frame."""
 
     def __init__(self, pose: np.ndarray, rest: np.ndarray) -> None:
         self.pose = pose  # (b, o) float32, 0..1
@@ -82,7 +82,7 @@ class WrinkleMapsInfluences:
 
 
 def bones_in_root_space(root: np.ndarray, bones: np.ndarray) -> np.ndarray:
-    """root: (4, 4) float32, from root space to the space of bones, (b, 6) float32."""
+    """Bones, (b, 6) float32, transformed into root space. root: (4, 4) float32, from root space to the bones' space."""
     place, rows = given(root, "root", FLOAT, 4)
     if rows != 4:
         raise ValueError(f"root: expected shape (4, 4), got {root.shape}")
@@ -100,7 +100,7 @@ def evaluate_wrinkle_maps(model: WrinkleMapsModel, bones: np.ndarray) -> Wrinkle
 
 
 def presence_of_wrinkle_maps(model: WrinkleMapsModel, influences: WrinkleMapsInfluences) -> np.ndarray:
-    """(o,) float32: how present each pose is as a whole."""
+    """(o,) float32: how much of each pose is present as a whole."""
     out = new(FLOAT, model.pose_count)
     lib.rumple_wrinkle_maps_presence(model, *influences._arguments(), address(out), len(out))
     return out
@@ -120,8 +120,8 @@ def masks_of_wrinkle_maps(model: WrinkleMapsModel, influences: WrinkleMapsInflue
 
 def blend_wrinkle_maps(neutral: np.ndarray, wrinkles: Sequence[np.ndarray], masks: Sequence[np.ndarray],
                        maps: str = "WRINKLES") -> np.ndarray:
-    """Section 5.3, pixel by pixel: (n, 3) float32 unit normals in tangent space. neutral: (n, 3) float32; wrinkles: o
-    of (n, 3); masks: o of (n,). maps: WHOLE or WRINKLES."""
+    """Section 5.3: blended unit normals in tangent space, (n, 3) float32, for n pixels. neutral: (n, 3) float32. For
+    each of o poses: wrinkles (n, 3) and masks (n,). maps: WHOLE or WRINKLES."""
     place, count = given(neutral, "neutral", FLOAT, 3)
     if len(masks) != len(wrinkles):
         raise ValueError(f"masks: expected {len(wrinkles)} arrays, got {len(masks)}")

@@ -15,7 +15,7 @@ from .surface import (FramePose, FrameState, ReferenceSettings, ShownFrame, Step
                       fine_plan, reference_arrays, stored_array)
 
 PAINTED = ("radius", "prestretch", "bending", "inside", "worn")
-ALONG = "along"  # (n, 3): where folds are to run, a direction at rest, its length how much
+ALONG = "along"  # (n, 3): direction of the folds at rest; its length, 0..1, is the strength
 
 
 class WrinkleMeshModel(SteppedModel):
@@ -43,8 +43,8 @@ def build_wrinkle_mesh(base: Surface, source: str = "SUBDIVISION", level: int = 
 
     source: SUBDIVISION (level), REGULAR (segments), EDGE_LENGTH (longest_edge) or OBJECT (own: a Surface at rest in
     the base's space; attached: (vertices of own,) uint8; farthest: refuse a mesh farther away, 0 any). attachment:
-    LINEAR, PN or LIMIT. display_steps: unsolved subdivisions of the shown mesh. adaptive: for settings whose reference
-    is not STATIC_REST. viewport_steps: of the mesh that viewports show; None: as display_steps. Raises ValueError.
+    LINEAR, PN or LIMIT. display_steps: unsolved subdivisions of the shown mesh. adaptive: needed for settings whose
+    reference is not STATIC_REST. viewport_steps: of the mesh for viewports; None: display_steps. Raises ValueError.
     """
     plan = lib.rumple_wrinkle_mesh_plan_default()
     fine_plan(plan.fine, source, level, segments, longest_edge, most_vertices, attachment, tuple(c.FINE_SOURCE))
@@ -72,7 +72,7 @@ class WrinkleMeshSettings(c.WrinkleMeshSettings, ReferenceSettings):
 
 
 def painted_factors(painted: dict[str, np.ndarray], names: tuple[str, ...] = PAINTED) -> Any:
-    """Painted factors as the library takes them. The arrays must outlive them."""
+    """The struct of the painted factors. The arrays must live as long as the struct."""
     values = c.WrinkleMeshPainted()
     for name, array in painted.items():
         if name not in (*names, ALONG):
@@ -92,12 +92,12 @@ class WrinkleMeshPaint(Handle):
 
     def __init__(self, model: WrinkleMeshModel, painted: dict[str, np.ndarray] | None = None) -> None:
         """painted: any of radius, prestretch, bending, inside, worn -> (n,) float32 of the base's vertices, 0..1; along
-        -> (n, 3), where folds are to run, a direction at rest of a length of 0..1."""
+        -> (n, 3), the direction of the folds at rest, with a length of 0..1."""
         self._filled(self, lib.rumple_wrinkle_mesh_paint_build, model, painted_factors(painted or {}))
 
 
 class WrinkleMeshPose(FramePose):
-    """What the positions of one frame make of a model. Made by WrinkleMeshPose.of(model, positions, ...)."""
+    """The pose of a model in one frame. Made by WrinkleMeshPose.of(model, positions, ...)."""
 
     __slots__ = ()
     POINTER, FREE = c.WrinkleMeshPosePointer, "rumple_wrinkle_mesh_pose_free"
@@ -105,7 +105,7 @@ class WrinkleMeshPose(FramePose):
 
 
 class WrinkleMeshState(FrameState):
-    """What is kept from frame to frame."""
+    """The solver's state, which is kept from frame to frame."""
 
     __slots__ = ()
     POINTER, FREE = c.WrinkleMeshStatePointer, "rumple_wrinkle_mesh_state_free"
@@ -116,7 +116,7 @@ class WrinkleMeshState(FrameState):
 
     def __init__(self, model: WrinkleMeshModel, offset: np.ndarray, solved_length: np.ndarray,
                  reference: dict[str, Any] | None = None) -> None:
-        """From what the properties of those names gave."""
+        """From the values of the properties with these names."""
         arrays = c.WrinkleMeshStateView()
         fill(arrays, "offset", offset, FLOAT, 3)
         fill(arrays, "solved_length", solved_length, FLOAT)
@@ -126,33 +126,33 @@ class WrinkleMeshState(FrameState):
 
     @property
     def reference(self) -> dict[str, Any] | None:
-        """Of an adaptive rest shape: a dict of plain arrays; else None."""
+        """The adaptive rest shape as plain arrays, or None."""
         return reference_arrays(self, self.view.reference)
 
     @property
     def arrays(self) -> dict[str, Any]:
-        """A dict of plain arrays that the same state can be made of, to the bit."""
+        """The state as plain arrays. of() makes the same state from them, bit for bit."""
         return {"offset": self.offset, "solved_length": self.solved_length, **(self.reference or {})}
 
     @classmethod
     def of(cls, model: WrinkleMeshModel, arrays: dict[str, Any]) -> "WrinkleMeshState":
-        """From what `arrays` gave."""
+        """The state from the plain arrays of `arrays`."""
         return cls(model, stored_array(arrays, "offset"), stored_array(arrays, "solved_length"),
                    arrays if "time" in arrays else None)
 
     def activated(self) -> "WrinkleMeshState":
-        """The same offsets with no vertex held: for a solve with other settings."""
+        """The same offsets, but no vertex is asleep. Use it before a solve with other settings."""
         return WrinkleMeshState.made(lib.rumple_wrinkle_mesh_state_activated, self)
 
 
 class WrinkleMeshReport(c.WrinkleMeshReport):
-    """How a solve went."""
+    """The report on a solve."""
 
     __slots__ = ()
 
 
 class WrinkleMeshMeasures(c.WrinkleMeshMeasures):
-    """How good a frame is."""
+    """Measures of the quality of a frame."""
 
     __slots__ = ("offsets",)
     offsets: np.ndarray  # (v, 3) float32, in the triangle frame
@@ -163,13 +163,13 @@ def solve_wrinkle_mesh(model: WrinkleMeshModel, settings: WrinkleMeshSettings, p
                        world_from_object: np.ndarray | None = None, in_order: bool = False, time: float = 0.0,
                        labels: np.ndarray | None = None, next_positions: np.ndarray | None = None,
                        next_time: float = 0.0) -> tuple[WrinkleMeshState, WrinkleMeshReport]:
-    """Solve one frame; returns (state, report). positions: (n, 3) float32, deformed base, object space; or the pose
-    that was made of them and of all that follows state.
+    """Solve one frame; returns (state, report). positions: (n, 3) float32, deformed base, object space; or a pose,
+    which then replaces the arguments about the frame.
 
-    state: of the frame before, or None for the canonical start. world_from_object: (3, 3) float32, used when offsets
-    ride in world space. in_order: one constraint after the other, as printed, for tests. The rest is for a rest shape
-    that adapts: time: seconds. labels: (t,) uint8 of label_clip. next_positions, next_time: the frame to come, to look
-    ahead when labels are cut. Raises ValueError. Section 4.
+    state: of the frame before, or None for the canonical start. world_from_object: (3, 3) float32, used if offsets are
+    kept in world space. in_order: for tests: constraints one after the other, as in the paper. The other arguments are
+    for adaptive rest shapes. time: seconds. labels: (t,) uint8 from label_clip. next_positions, next_time: the next
+    frame, which labelling looks ahead to. Raises ValueError. Section 4.
     """
     report = WrinkleMeshReport()
     solve = lib.rumple_wrinkle_mesh_solve_in_order if in_order else lib.rumple_wrinkle_mesh_solve
@@ -186,7 +186,7 @@ def _in_world(model: WrinkleMeshModel, positions: np.ndarray | WrinkleMeshPose,
 def show_wrinkle_mesh(model: WrinkleMeshModel, settings: WrinkleMeshSettings,
                       positions: np.ndarray | WrinkleMeshPose, state: WrinkleMeshState,
                       world_from_object: np.ndarray | None = None, in_viewport: bool = False) -> ShownFrame:
-    """The shown mesh for a frame and its state. positions: as solve_wrinkle_mesh() takes them. in_viewport: of
+    """The shown mesh for a frame and its state. positions: see solve_wrinkle_mesh(). in_viewport: for
     model.shown_in_viewport."""
     return ShownFrame.of(model, lib.rumple_wrinkle_mesh_show, model, settings,
                          _in_world(model, positions, world_from_object), state, in_viewport)

@@ -61,8 +61,8 @@ class WrinklePathsPaint(Handle):
     POINTER, FREE = c.WrinklePathsPaintPointer, "rumple_wrinkle_paths_paint_free"
 
     def __init__(self, model: WrinklePathsModel, painted: dict[str, np.ndarray] | None = None) -> None:
-        """painted: mask -> (n,) float32 of the base's vertices, 0..1: where folds may start; width -> (n,), 0.1..1: on
-        their width; along -> (n, 3): where they are to run, a direction at rest of a length of 0..1."""
+        """painted: mask -> (n,) float32 of the base's vertices, 0..1: where folds may start; width -> (n,), 0.1..1:
+        factor on their width; along -> (n, 3): their direction at rest, with a length of 0..1."""
         values = c.WrinklePathsPainted()
         for name, array in (painted or {}).items():
             fill(values, name, array, FLOAT, chosen(name, "paint", {"mask": 0, "width": 0, "along": 3}))
@@ -70,7 +70,7 @@ class WrinklePathsPaint(Handle):
 
 
 class WrinklePathsPose(FramePose):
-    """What the positions of one frame make of a model. Made by WrinklePathsPose.of(model, positions, ...)."""
+    """The pose of a model in one frame. Made by WrinklePathsPose.of(model, positions, ...)."""
 
     __slots__ = ()
     POINTER, FREE = c.WrinklePathsPosePointer, "rumple_wrinkle_paths_pose_free"
@@ -78,7 +78,7 @@ class WrinklePathsPose(FramePose):
 
 
 class WrinklePathsState(FrameState):
-    """What is kept from frame to frame."""
+    """The solver's state, which is kept from frame to frame."""
 
     __slots__ = ()
     POINTER, FREE = c.WrinklePathsStatePointer, "rumple_wrinkle_paths_state_free"
@@ -89,7 +89,7 @@ class WrinklePathsState(FrameState):
     path_count = Number("paths", "path_id_count")
 
     def __init__(self, model: WrinklePathsModel, arrays: dict[str, Any]) -> None:
-        """From what `arrays` gave."""
+        """The state from the plain arrays of `arrays`."""
         view = c.WrinklePathsStateView()
         fill_reference(view.reference, arrays)
         view.next_id = stored_number(arrays, "next_id", int)
@@ -98,14 +98,14 @@ class WrinklePathsState(FrameState):
 
     @property
     def arrays(self) -> dict[str, Any]:
-        """A dict of plain arrays that the same state can be made of, to the bit."""
+        """The state as plain arrays. of() makes the same state from them, bit for bit."""
         view = self.view
         return {**(reference_arrays(self, view.reference) or {}), "next_id": view.next_id,
                 **lent_all(self, view, self.ARRAYS)}
 
     @classmethod
     def of(cls, model: WrinklePathsModel, arrays: dict[str, Any]) -> "WrinklePathsState":
-        """From what `arrays` gave."""
+        """The state from the plain arrays of `arrays`."""
         return cls(model, arrays)
 
     @property
@@ -120,7 +120,7 @@ class WrinklePathsState(FrameState):
 
 
 class WrinklePathsReport(c.WrinklePathsReport):
-    """How a solve went."""
+    """The report on a solve."""
 
     __slots__ = ()
 
@@ -142,11 +142,11 @@ def solve_wrinkle_paths(model: WrinklePathsModel, settings: WrinklePathsSettings
                         positions: np.ndarray | WrinklePathsPose, time: float, state: WrinklePathsState | None = None,
                         labels: np.ndarray | None = None, next_positions: np.ndarray | None = None,
                         next_time: float = 0.0) -> tuple[WrinklePathsState, WrinklePathsReport]:
-    """Solve one frame; returns (state, report). positions: (n, 3) float32, deformed base, object space; or
-    the pose that was made of them, time, labels and what follows. time: seconds.
+    """Solve one frame; returns (state, report). positions: (n, 3) float32, deformed base, object space; or a pose,
+    which then replaces the arguments about the frame. time: seconds.
 
-    state: of the frame before, or None for the canonical start. labels: (t,) uint8 of label_clip. next_positions,
-    next_time: the frame to come, to look ahead when labels are cut. Raises ValueError. Chapters 4 and 5.
+    state: of the frame before, or None for the canonical start. labels: (t,) uint8 from label_clip. next_positions,
+    next_time: the next frame, which labelling looks ahead to. Raises ValueError. Chapters 4 and 5.
     """
     report = WrinklePathsReport()
     return WrinklePathsState.made(
@@ -162,7 +162,7 @@ def show_wrinkle_paths(model: WrinklePathsModel, settings: WrinklePathsSettings,
 
 
 def wrinkle_path_fault(model: WrinklePathsModel, state: WrinklePathsState) -> str:
-    """Empty when every path lies on the surface; else what is wrong."""
+    """Empty if every path lies on the surface; otherwise what is wrong."""
     del model  # of the state
     try:
         lib.rumple_wrinkle_paths_state_check(state)

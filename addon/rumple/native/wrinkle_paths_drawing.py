@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The Wrinkle Paths as curves, and for who draws them himself: native/include/rumple/wrinkle_paths.h."""
+"""The Wrinkle Paths as curves, and their data for the GPU preview: native/include/rumple/wrinkle_paths.h."""
 from __future__ import annotations
 
 from typing import Any
@@ -12,11 +12,11 @@ from .handle import Array, Handle
 from .library import lib
 from .wrinkle_paths import WrinklePathsModel, WrinklePathsPose, WrinklePathsSettings, WrinklePathsState
 
-Positions = np.ndarray | WrinklePathsPose  # (n, 3) float32, deformed base, object space; or what was made of it
+Positions = np.ndarray | WrinklePathsPose  # (n, 3) float32, deformed base, object space; or its pose
 
 
 class WrinklePathsCurves(Handle):
-    """The paths as lines in space."""
+    """The paths as curves in object space."""
 
     __slots__ = ()
     POINTER, FREE = c.CurvesPointer, "rumple_curves_free"
@@ -30,7 +30,7 @@ class WrinklePathsCurves(Handle):
 
 
 class WrinklePathsRidingCurves(WrinklePathsCurves):
-    """The paths on the crests of their folds, in terms of the posed base."""
+    """The paths on the crests of their folds, relative to the posed base."""
 
     __slots__ = ()
     corners = Array("(p, 3) int32: the base's vertices as the artist has them, around every point", INT,
@@ -41,7 +41,7 @@ class WrinklePathsRidingCurves(WrinklePathsCurves):
 
 
 class WrinklePathsLists(Handle):
-    """Which folds reach which triangle: the three buffers of section 7.2."""
+    """For every triangle the folds that reach it: the three buffers of section 7.2."""
 
     __slots__ = ()
     POINTER, FREE = c.DrawingPointer, "rumple_drawing_free"
@@ -54,7 +54,7 @@ class WrinklePathsLists(Handle):
 
 
 class WrinklePathsDrawing(WrinklePathsLists):
-    """What the viewport draws a frame from, on the GPU."""
+    """The data from which the GPU preview draws a frame."""
 
     __slots__ = ()
     flat = Array("(w, 3) float32: welded vertices of the deformed base; heights are measured over them", FLOAT,
@@ -94,15 +94,16 @@ def wrinkle_path_curves(model: WrinklePathsModel, settings: WrinklePathsSettings
 
 def ride_wrinkle_paths(model: WrinklePathsModel, settings: WrinklePathsSettings, positions: Positions,
                        state: WrinklePathsState, animated: np.ndarray | None = None) -> WrinklePathsRidingCurves:
-    """The paths as curves along the crests, which ride on any pose of the base. positions: (n, 3) float32, deformed
-    base, object space. animated: the same of what they are to ride on, where that is not what was solved over."""
+    """The paths as curves along the crests, bound to the base, so that they can follow any pose. positions: (n, 3)
+    float32, deformed base, object space. animated: the base that they are bound to, if it is not the one that was
+    solved over."""
     return WrinklePathsRidingCurves.made(lib.rumple_wrinkle_paths_ride, model, settings,
                                          WrinklePathsPose.of(model, positions),
                                          *optional(animated, "animated", FLOAT, 3), state)
 
 
 def wrinkle_path_stretches(model: WrinklePathsModel, positions: Positions, state: WrinklePathsState) -> np.ndarray:
-    """(t, 2) float32: compression (1 / lambda_min) and stretch of every triangle from its reference."""
+    """(t, 2) float32: compression (1 / lambda_min) and stretch of every triangle relative to its reference triangle."""
     out = new(FLOAT, model.triangle_count, 2)
     lib.rumple_wrinkle_paths_stretches(model, WrinklePathsPose.of(model, positions), state, address(out), len(out))
     return out
@@ -110,8 +111,9 @@ def wrinkle_path_stretches(model: WrinklePathsModel, positions: Positions, state
 
 def wrinkle_path_ellipses(model: WrinklePathsModel, positions: Positions, state: WrinklePathsState,
                           size: float = 0.8) -> np.ndarray:
-    """(t, 9) float32: centre and two semi-axes, compressed and stretched, of what became of a circle on every
-    reference triangle. size: its radius over that of the inscribed circle. Object space."""
+    """(t, 9) float32: for every triangle the ellipse that a circle on its reference triangle becomes: centre,
+    compressed semi-axis, stretched semi-axis. size: radius of the circle / radius of the inscribed circle. Object
+    space."""
     out = new(FLOAT, model.triangle_count, 9)
     lib.rumple_wrinkle_paths_ellipses(model, WrinklePathsPose.of(model, positions), state, size, address(out), len(out))
     return out
@@ -119,15 +121,15 @@ def wrinkle_path_ellipses(model: WrinklePathsModel, positions: Positions, state:
 
 def draw_wrinkle_paths(model: WrinklePathsModel, settings: WrinklePathsSettings, positions: Positions,
                        state: WrinklePathsState) -> WrinklePathsDrawing:
-    """What the viewport draws a frame from."""
+    """The data from which the viewport draws a frame."""
     return WrinklePathsDrawing.made(lib.rumple_wrinkle_paths_draw, model, settings,
                                     WrinklePathsPose.of(model, positions), state)
 
 
 def drawn_wrinkle_paths(model: Any, settings: WrinklePathsSettings, drawing: WrinklePathsDrawing, triangle: np.ndarray,
                         weights: np.ndarray) -> np.ndarray:
-    """(n, 7) float32: position, height and normal that the shaders make of places: their twin, for tests. triangle:
-    (n,) int32. weights: (n, 2) float32, of corners 1 and 2."""
+    """For tests: (n, 7) float32: position, height and normal as the shaders compute them. triangle: (n,) int32.
+    weights: (n, 2) float32, of corners 1 and 2."""
     del model  # of the drawing
     which, count = given(triangle, "triangle", INT)
     where, places = given(weights, "weights", FLOAT, 2)
