@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What an artist sees in Blender. It reads and writes data-blocks; the mathematics is in ../core and in native code.
+"""The Blender layer: user interface, handlers and data-blocks. The mathematics is in ../core and in native code.
 
-Each folder imports only from those below it: ui, farm, bake, brush, maps, ui_base.py, frame, viewport, objects, nodes,
-scheduler.py, translation.py, manual.py, compat.py (blender_tests/without_blender/test_import_order.py).
+Each entry of this list imports only from later ones: ui, farm, bake, brush, maps, ui_base.py, frame, viewport, objects,
+nodes, scheduler.py, translation.py, manual.py, compat.py (blender_tests/without_blender/test_import_order.py).
 """
 from __future__ import annotations
 
@@ -30,7 +30,8 @@ def register() -> None:
     """Called by the add-on's __init__.py."""
     for module in _MODULES:
         module.register()
-    scheduler.request()  # files that are open already; not now: Blender hides its data while an add-on registers
+    # for a file that is already open; later, because Blender hides its data while an add-on registers
+    scheduler.request()
 
 
 def unregister() -> None:

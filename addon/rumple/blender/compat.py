@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Every difference between Blender 3.4 and 5.2 that Rumple meets, in one place.
+"""All differences between Blender 3.4 and 5.2 that matter to Rumple.
 
-Nothing outside this file asks for the version. Tried on 3.4.1, 4.3.2 and 5.2.2.
+No other file checks the version. Tested with 3.4.1, 4.3.2 and 5.2.2.
 """
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ import bpy
 import numpy as np
 
 VERSION: tuple[int, int, int] = bpy.app.version
-HAS_MODIFIER_MENU = VERSION >= (4, 0, 0)  # before, the Add Modifier menu is fixed and takes no entries
+HAS_MODIFIER_MENU = VERSION >= (4, 0, 0)  # before, no entries can be added to the Add Modifier menu
 HAS_AUTO_SMOOTH = VERSION < (4, 1, 0)
 SMOOTH_COLOR_SHADER = "SMOOTH_COLOR" if VERSION >= (4, 0, 0) else "3D_SMOOTH_COLOR"
 GROUP_INPUT = "Group ID" if VERSION >= (3, 6, 0) else "Group Index"  # of the Accumulate Field node
@@ -34,7 +34,7 @@ ATTRIBUTE_LAYOUT: dict[str, tuple[str, int, type]] = {
     "QUATERNION": ("value", 4, np.float32),
 }
 
-# Attributes that Blender keeps for itself; they are rebuilt or carried by other means.
+# Blender's own attributes. They are rebuilt or carried in other ways.
 _BUILT_IN = frozenset((
     "position", "material_index", "sharp_face", "sharp_edge", "crease_edge", "crease_vert", "uv_seam",
     "bevel_weight_edge", "bevel_weight_vert", "custom_normal", "freestyle_edge", "freestyle_face", "id", "radius"))
@@ -59,7 +59,7 @@ def group_sockets(group: bpy.types.NodeTree, in_out: str) -> dict[str, str]:
 
 
 def socket(sockets: Any, name: str) -> bpy.types.NodeSocket:
-    """The enabled socket of that name: before 4.0 a node has one hidden socket for each data type."""
+    """The enabled socket with this name. Before 4.0 a node has a hidden socket for each data type."""
     for candidate in sockets:
         if candidate.enabled and candidate.name == name:
             return candidate
@@ -67,19 +67,19 @@ def socket(sockets: Any, name: str) -> bpy.types.NodeSocket:
 
 
 def use_nodes(material: bpy.types.Material) -> None:
-    """Give a material its node tree: from 5.0 on it always has one, and the switch is deprecated."""
+    """Give a material a node tree. From 5.0 on it always has one, and the property is deprecated."""
     if VERSION < (5, 0, 0):
         material.use_nodes = True
 
 
 def mark_as_modifier(group: bpy.types.NodeTree) -> None:
-    """From 4.0 on a node group says that it may be used as a modifier."""
+    """Allow a node group as a modifier. Needed from 4.0 on."""
     if hasattr(group, "is_modifier"):
         group.is_modifier = True
 
 
 def modifier_input(modifier: bpy.types.NodesModifier, identifier: str) -> Any:
-    """Value of an input of a nodes modifier; None where it was never set, and of geometry."""
+    """Value of an input of a nodes modifier; None if it was never set, and for geometry."""
     if hasattr(modifier, "properties"):  # 5.2: modifier["Socket_2"] raises TypeError
         inputs = modifier.properties.inputs
         return getattr(getattr(inputs, identifier, None), "value", None)
@@ -105,10 +105,10 @@ def move_modifier(obj: bpy.types.Object, source: int, target: int) -> None:
 
 # ---------------------------------------------------------------- data-blocks
 def session_key(data_block: bpy.types.ID) -> int:
-    """A number that tells two data-blocks apart within a session.
+    """A number that identifies a data-block within a session.
 
-    3.4 has only the address, which a later data-block may take over: what is found
-    under the key must be checked before it is used (solve.py does).
+    3.4 has only the address, which a later data-block may reuse. So an entry found under the key must be checked before
+    it is used (as solve.py does).
     """
     uid = getattr(data_block, "session_uid", None)
     return uid if uid is not None else data_block.as_pointer()
@@ -120,14 +120,15 @@ def is_editable(data_block: bpy.types.ID) -> bool:
 
 
 def holds(items: bpy.types.bpy_prop_collection, data_block: bpy.types.ID) -> bool:
-    """Whether this data-block is among those of a collection. A local one and linked ones may have one name, and get()
-    finds the first."""
+    """Whether a collection has this data-block. A local and a linked one may have the same name, and get() finds only
+    the first."""
     found = items.get(data_block.name)
     return found == data_block or (found is not None and any(item == data_block for item in items))
 
 
 def keyed_curves(user: bpy.types.AnimData | bpy.types.NlaStrip) -> Iterator[bpy.types.FCurve]:
-    """What the action of an object, or of a strip, keys for it: from 4.4 on others may have curves in it, too."""
+    """The curves of an object's or a strip's action that belong to it. From 4.4 on, an action may also have curves of
+    other objects."""
     if user.action is None:
         return
     if not hasattr(user, "action_slot"):
@@ -140,12 +141,12 @@ def keyed_curves(user: bpy.types.AnimData | bpy.types.NlaStrip) -> Iterator[bpy.
 
 
 def has_strips(about: bpy.types.AnimData) -> bool:
-    """Whether strips have a say in what is animated: what they make of a value is not known before a frame is shown."""
+    """Whether NLA strips animate it. Then a value is not known before the frame is evaluated."""
     return any(track.strips for track in about.nla_tracks)
 
 
 def animated_paths(obj: bpy.types.Object) -> set[str]:
-    """Data paths of what keys, drivers and strips change from frame to frame."""
+    """Data paths of the properties that keys, drivers and strips animate."""
     about = obj.animation_data
     if about is None:
         return set()
@@ -155,7 +156,7 @@ def animated_paths(obj: bpy.types.Object) -> set[str]:
 
 
 def _with_those_inside(strips: Iterable[bpy.types.NlaStrip]) -> Iterator[bpy.types.NlaStrip]:
-    """A strip may be made of others."""
+    """All strips, also those inside meta strips."""
     for strip in strips:
         yield strip
         yield from _with_those_inside(strip.strips)
@@ -166,7 +167,7 @@ def new_curves(data_block: bpy.types.ID, name: str) -> bpy.types.bpy_prop_collec
     action = bpy.data.actions.new(name)
     animation = data_block.animation_data_create()
     animation.action = action
-    if not hasattr(action, "slots"):  # 4.4 brought them, with layers
+    if not hasattr(action, "slots"):  # new in 4.4, with layers
         return action.fcurves
     slot = action.slots.new(data_block.id_type, data_block.name)
     animation.action_slot = slot
@@ -174,36 +175,37 @@ def new_curves(data_block: bpy.types.ID, name: str) -> bpy.types.bpy_prop_collec
 
 
 def find_curve(about: bpy.types.AnimData, path: str, index: int = 0) -> bpy.types.FCurve | None:
-    """The keys of one property."""
+    """The animation curve of one property."""
     return next((curve for curve in keyed_curves(about)
                  if curve.data_path == path and curve.array_index == index), None)
 
 
 # ---------------------------------------------------------------- folders
-# Of a property that is a folder: it may begin with //. Blender asks since 4.5.
+# Options of a property for a folder that may begin with //. Blender needs them from 4.5 on.
 FOLDER_OPTIONS = ({"PATH_SUPPORTS_BLEND_RELATIVE"}
                   if "is_path_supports_blend_relative" in bpy.types.Property.bl_rna.properties else set())
 
 
 def blend_path(folder: str) -> str:
-    """A folder as an artist types it: what is neither absolute nor begins with // is beside the blend file as well, and
-    ~ is the home folder."""
+    """A folder as an artist types it. A path that is neither absolute nor begins with // is also relative to the blend
+    file. ~ is the home folder."""
     folder = os.path.expanduser(folder if os.name == "nt" else folder.replace("\\", "/"))
     return folder if folder.startswith("//") or os.path.isabs(folder) else "//" + folder
 
 
 # ---------------------------------------------------------------- words
 def translated_report(text: str) -> str:
-    """A message in Blender's language, where messages are to be translated."""
+    """A message in Blender's language, if messages are translated."""
     words = bpy.app.translations
-    return (words.pgettext_rpt if hasattr(words, "pgettext_rpt") else words.pgettext_tip)(text)  # 4.1 has the one
+    # pgettext_rpt: from 4.1 on
+    return (words.pgettext_rpt if hasattr(words, "pgettext_rpt") else words.pgettext_tip)(text)
 
 
 # ---------------------------------------------------------------- meshes
 def positions(mesh: bpy.types.Mesh) -> np.ndarray:
     """Vertex positions, (n, 3) float32."""
     flat = np.empty(len(mesh.vertices) * 3, np.float32)
-    attribute = mesh.attributes.get("position")  # 3.5 on, and much faster there than vertices.co
+    attribute = mesh.attributes.get("position")  # from 3.5 on; much faster than vertices.co
     if attribute is not None and len(attribute.data) * 3 == len(flat):
         attribute.data.foreach_get("vector", flat)
     else:
@@ -213,7 +215,7 @@ def positions(mesh: bpy.types.Mesh) -> np.ndarray:
 
 def corner_vertices(mesh: bpy.types.Mesh) -> np.ndarray:
     """The vertex of every corner, (c,) int32."""
-    attribute = mesh.attributes.get(".corner_vert")  # 3.6 on, and much faster there
+    attribute = mesh.attributes.get(".corner_vert")  # from 3.6 on; much faster
     if attribute is None or len(attribute.data) != len(mesh.loops):
         return indices(mesh.loops, "vertex_index")
     corners = np.empty(len(mesh.loops), np.int32)
@@ -222,15 +224,15 @@ def corner_vertices(mesh: bpy.types.Mesh) -> np.ndarray:
 
 
 def indices(elements: bpy.types.bpy_prop_collection, prop: str, width: int = 1) -> np.ndarray:
-    """(elements * width,) int32: numbers of other elements, all of them 0 or more. Into signed integers Blender 3.4
-    writes them one by one, which takes 6 to 40 times as long."""
+    """(elements * width,) int32: non-negative numbers of other elements. They are read as unsigned, because Blender 3.4
+    takes 6 to 40 times as long for signed integers."""
     found = np.empty(len(elements) * width, np.int32)
     elements.foreach_get(prop, found.view(np.uint32))
     return found
 
 
 def triangle_vertices(mesh: bpy.types.Mesh) -> np.ndarray:
-    """The three vertices of every triangle of its polygons, (t, 3) int32. Makes the triangles."""
+    """The three vertices of every triangle, (t, 3) int32. It triangulates the polygons."""
     mesh.calc_loop_triangles()
     return indices(mesh.loop_triangles, "vertices", 3).reshape(-1, 3)
 
@@ -273,7 +275,7 @@ def fill_polygons(mesh: bpy.types.Mesh, positions_: np.ndarray, polygon_start: n
 
 
 def generic_attributes(mesh: bpy.types.Mesh) -> list[bpy.types.Attribute]:
-    """Attributes that users and modifiers made: no built-in ones, no UV maps, none of Rumple's own."""
+    """Attributes of users and modifiers: not the built-in ones, UV maps or Rumple's own."""
     uv_names = {layer.name for layer in mesh.uv_layers}
     return [a for a in mesh.attributes if a.name not in _BUILT_IN and a.name not in uv_names
             and not a.name.startswith((".", "rumple_")) and a.data_type in ATTRIBUTE_LAYOUT]
@@ -296,7 +298,8 @@ def write_attribute(mesh: bpy.types.Mesh, name: str, data_type: str, domain: str
     if attribute is None:
         mesh.attributes.new(name, data_type, domain)
     prop, _width, dtype = ATTRIBUTE_LAYOUT[data_type]
-    # Looked up again: adding a layer moves the others. 3.4 refuses strided arrays; float64 is 2 to 37 times slower.
+    # Looked up again, because adding a layer moves the others. 3.4 refuses strided arrays. float64 is 2 to 37 times
+    # slower.
     mesh.attributes[name].data.foreach_set(prop, np.ascontiguousarray(values, dtype).ravel())
 
 
@@ -304,7 +307,7 @@ _EDGE_FLOATS = (("crease", "crease_edge"), ("bevel_weight", "bevel_weight_edge")
 
 
 def edge_marks(mesh: bpy.types.Mesh) -> dict[str, np.ndarray]:
-    """What is painted on edges: seams, sharp edges, creases, bevel weights. Only what is used."""
+    """Marks of edges: seams, sharp edges, creases, bevel weights. Only kinds that are used."""
     count = len(mesh.edges)
     marks: dict[str, np.ndarray] = {}
     for prop in ("use_seam", "use_edge_sharp"):
@@ -317,7 +320,7 @@ def edge_marks(mesh: bpy.types.Mesh) -> dict[str, np.ndarray]:
 
 
 def _edge_floats(mesh: bpy.types.Mesh, prop: str, attribute_name: str) -> np.ndarray:
-    """Until 3.6 a property of edges, later an attribute."""
+    """Values of edges. Until 3.6 they are a property, later an attribute."""
     values = np.zeros(len(mesh.edges), np.float32)
     if VERSION < (4, 0, 0):
         mesh.edges.foreach_get(prop, values)
@@ -346,27 +349,27 @@ def set_edge_marks(mesh: bpy.types.Mesh, marks: dict[str, np.ndarray]) -> None:
 
 
 def _allow_crease_3(mesh: bpy.types.Mesh) -> None:
-    """3.4 keeps edge creases in a layer of their own that has to be made first."""
+    """Make the layer of edge creases, which 3.4 needs."""
     if not mesh.edge_creases:
-        # There is no call that makes it; writing one value does.
+        # There is no function for this, but writing one value makes the layer.
         mesh.edges[0].crease = 1.0
         mesh.edges[0].crease = 0.0
 
 
 def copy_smoothing(source: bpy.types.Mesh, target: bpy.types.Mesh) -> None:
-    """Auto Smooth was a switch of the mesh until 4.1; later it is a modifier of the object."""
+    """Copy Auto Smooth. Before 4.1 it is a setting of the mesh, later a modifier of the object."""
     if HAS_AUTO_SMOOTH:
         target.use_auto_smooth, target.auto_smooth_angle = smoothing(source)
 
 
 def smoothing(mesh: bpy.types.Mesh) -> tuple:
-    """What copy_smoothing() copies, for comparing. Where a mesh has custom normals Blender leaves its angle out, so
-    what is without them must not have it: skin of an import from glTF was full of flat faces."""
+    """The values that copy_smoothing() copies, for comparison. With custom normals Blender ignores the angle. The copy
+    has no custom normals, so its angle must have no effect: skin of a glTF import had many flat faces otherwise."""
     if not HAS_AUTO_SMOOTH:
         return ()
     return mesh.use_auto_smooth, math.pi if mesh.has_custom_normals else mesh.auto_smooth_angle
 
 
 def has_custom_normals(mesh: bpy.types.Mesh) -> bool:
-    """Custom split normals, which no fine mesh can inherit."""
+    """Whether it has custom split normals, which a fine mesh cannot inherit."""
     return bool(mesh.has_custom_normals)

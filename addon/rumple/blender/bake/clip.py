@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The clip of an object: baking it, showing it in place of the live wrinkles, and going back to these.
+"""The clip of an object: bakes it, shows it instead of the live wrinkles, and frees it again.
 
-A baked clip needs neither this add-on nor a handler: a render farm shows it as any other cache.
+A baked clip needs neither this add-on nor a handler. A render farm shows it like any other cache.
 """
 from __future__ import annotations
 
@@ -26,12 +26,13 @@ SUFFIX = ".clip"
 
 
 class NotInPlace(BakeError):
-    """All is solved, and a file or the folder refuses the clip, perhaps for a moment: finish() may be called again."""
+    """Everything is solved, but the clip cannot be moved to its place, perhaps only for a moment. finish() may be
+    called again."""
 
 
 def new_clip_path(obj: bpy.types.Object) -> Path:
-    """Where the clip of an object belongs: of a file that was never saved, into a folder that Blender deletes. Never a
-    file that others play, as one that was renamed, or a duplicate: then a number is added."""
+    """The path for a new clip of an object. For an unsaved blend file it is in a folder that Blender deletes. If
+    another object plays a clip at this path (after a rename or a duplication), a number is added."""
     place, own = clip_place.of(obj) or clip_place.until_saved(obj), clip_status.clip_path(obj)
     taken = [clip_status.clip_path(other) for other in _others_baked(obj)]
     paths = [place, *(place.with_name(f"{place.stem}-{number}{place.suffix}") for number in range(2, len(taken) + 2))]
@@ -48,7 +49,7 @@ def _file_name() -> str:
 
 
 def attach(obj: bpy.types.Object, manifest: Manifest, clip: Path) -> None:
-    """Show the clip, through a new cache object: a former one may belong to a duplicate too."""
+    """Show the clip through a new cache object, because a former one may also belong to a duplicate."""
     nodes_mod = modifier.find(obj)
     cache_object = make_cache_object(obj, modifier.output_object(nodes_mod).data)
     modifier.add_mesh_cache(cache_object, manifest, stored_path(clip))
@@ -59,7 +60,7 @@ def attach(obj: bpy.types.Object, manifest: Manifest, clip: Path) -> None:
 
 
 def make_cache_object(obj: bpy.types.Object, shown: bpy.types.Mesh) -> bpy.types.Object:
-    """A hidden object with the points of a clip, at rest: that is what shows where the clip cannot be read."""
+    """A hidden object with the points of a clip at rest. They are shown if the clip cannot be read."""
     attributes = modifier.system(modifier.find(obj)).wrinkles.ATTRIBUTES
     rest = FrameResult.at_rest(compat.positions(shown), len(shown.loops), attributes)
     points = clip_file.points_of(rest, attributes)
@@ -73,7 +74,7 @@ def make_cache_object(obj: bpy.types.Object, shown: bpy.types.Mesh) -> bpy.types
 
 
 def free(obj: bpy.types.Object, delete_file: bool) -> str:
-    """Make the wrinkles live again. What to say of the file; empty when all was done as told."""
+    """Make the wrinkles live again. Returns a message about the file; empty if everything was done."""
     nodes_mod = modifier.find(obj)
     clip = clip_status.clip_path(obj)
     modifier.set_cache_object(nodes_mod, None)
@@ -91,7 +92,8 @@ def free(obj: bpy.types.Object, delete_file: bool) -> str:
 
 
 def _delete(obj: bpy.types.Object, clip: Path) -> str:
-    """The file of a freed clip, unless another object or file plays it. Why not, else empty."""
+    """Delete the file of a freed clip, unless another object or file plays it. Returns why it was not deleted, or an
+    empty text."""
     players = [other.name for other in _others_baked(obj) if clip_status.clip_path(other) == clip]
     about = clip_status.manifest(clip)
     if players:
@@ -108,10 +110,10 @@ def _delete(obj: bpy.types.Object, clip: Path) -> str:
 
 # ---------------------------------------------------------------- baking
 class ClipBake:
-    """One running bake: step() until it says that nothing is left, then finish(); or cancel() at any time.
+    """One running bake. Call step() until it returns False, then finish(); or cancel() at any time.
 
-    All raise BakeError and nothing else, whatever happened to the object or the disk meanwhile; after cancel() all is
-    as it was before.
+    They raise only BakeError, whatever happens to the object or the disk meanwhile. cancel() restores the state before
+    the bake.
     """
 
     def __init__(self, context: bpy.types.Context, obj: bpy.types.Object) -> None:
@@ -130,7 +132,7 @@ class ClipBake:
         return new_clip_path(obj)
 
     def _take_lock(self, path: Path) -> Lock | None:
-        """That of the clip, from now to the end of the bake; None: whoever bakes has it already. Raises BakeError."""
+        """Take the lock of the clip until the end of the bake. None: the caller already has it. Raises BakeError."""
         with self._faults():
             return Lock(path)
 
@@ -178,14 +180,14 @@ class ClipBake:
             raise
         except ClipFault as error:
             raise BakeError(f"{self.name}: {error}") from error
-        except UserError as error:  # it stands on its panel
+        except UserError as error:  # the panel also shows it
             raise BakeError(str(error)) from error
-        except Exception as error:  # another script or window did it: deleted it, loaded a file, edited the mesh
+        except Exception as error:  # another script or window deleted the object, loaded a file or edited the mesh
             raise BakeError(f"{self.name}: it, or its file, was changed while it was baked ({type(error).__name__}: "
                             f"{error}): bake again") from error
 
     def step(self) -> bool:
-        """Solve and write one sample. False after the last."""
+        """Solve and write one sample. Returns False after the last one."""
         with self._faults():
             if self.lock is not None:
                 self.lock.touch()
@@ -199,14 +201,14 @@ class ClipBake:
         return True
 
     def finish(self) -> Path:
-        """Put the clip in place and show it. Raises NotInPlace where that can be tried again."""
+        """Move the clip to its place and show it. Raises NotInPlace if this can be tried again."""
         with self._faults():
             about = self.writer.manifest
             if not self._is_sealed:
                 about.curves = self.curves.seal(about)
                 self.writer.seal()
                 self._is_sealed = True
-            modifier.find(self.obj).name  # while it can still be given up
+            modifier.find(self.obj).name  # raises if the modifier is gone, while the bake can still be cancelled
             self._put_in_place()
             self.curves.play(stored_path)
             attach(self.obj, about, self.writer.clip)
@@ -217,7 +219,7 @@ class ClipBake:
         return self.writer.clip
 
     def _put_in_place(self) -> None:
-        """The clips of garment and curves, both or none."""
+        """Move the clips of garment and curves to their places: both or none."""
         try:
             if self.lock is not None:
                 self.lock.check()
@@ -229,7 +231,7 @@ class ClipBake:
             raise NotInPlace(f"{self.name}: {error}") from error
 
     def cancel(self) -> None:
-        """Never raises."""
+        """Cancel the bake. Never raises."""
         if self.writer is not None:
             self.writer.discard()
         self.curves.discard()

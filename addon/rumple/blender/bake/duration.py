@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How long a bake will take, by what was measured: said before it is begun, and while it runs."""
+"""Estimates how long a bake takes, from measured times. Shown before a bake and while it runs."""
 from __future__ import annotations
 
 import bpy
@@ -7,12 +7,12 @@ import bpy
 from .. import compat
 from ..objects import bodies, modifier, runtimes, units
 
-LEAST = 5.0  # seconds: less is not worth a word
+LEAST = 5.0  # seconds: shorter bakes get no message
 
 
 def note(objects: list[bpy.types.Object], scene: bpy.types.Scene) -> str:
-    """What to say before these are baked one after the other; empty where it takes a moment, or nothing of one was
-    solved yet."""
+    """A message before these objects are baked one after the other. Empty for a short bake, or if one of them was never
+    solved."""
     each = [_seconds(obj, scene) for obj in objects]
     if not each or not all(each) or sum(each) < LEAST:
         return ""
@@ -22,20 +22,20 @@ def note(objects: list[bpy.types.Object], scene: bpy.types.Scene) -> str:
 
 
 def bake_all(scene: bpy.types.Scene) -> list[bpy.types.Object]:
-    """What Bake All bakes, in its order."""
+    """The objects that Bake All bakes, in order."""
     pairs = [pair for pair in modifier.wrinkled_objects()
              if pair[0].name in scene.objects and compat.is_editable(pair[0])]
     return [obj for obj, _ours in bodies.in_order(pairs)]
 
 
 def left(elapsed: float, done: int, count: int) -> str:
-    """Of a bake that runs, of which so many of its samples are done; empty where it is not known yet, or a moment."""
+    """The remaining time of a bake with `done` of `count` samples; empty if it is short or not known yet."""
     seconds = elapsed * (count - done) / done if done else 0.0
     return in_words(seconds) if elapsed > 1.0 and seconds >= LEAST else ""
 
 
 def in_words(seconds: float) -> str:
-    """Two digits: more is not known."""
+    """A time as text, with two digits, because it is an estimate."""
     for unit, size in (("h", 3600.0), ("min", 60.0)):
         if seconds >= 2.0 * size:
             return f"{float(f'{seconds / size:.2g}'):g} {unit}"
@@ -43,7 +43,7 @@ def in_words(seconds: float) -> str:
 
 
 def _seconds(obj: bpy.types.Object, scene: bpy.types.Scene) -> float:
-    """Of the frames that it solves: with those before its first one, from which that one follows."""
+    """Estimated time of all frames that a bake solves, including those before its first one."""
     runtime, about = runtimes.known(obj), obj.rumple
     if modifier.find(obj) is None or runtime is None:
         return 0.0

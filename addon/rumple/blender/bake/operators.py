@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The buttons of the bake: bpy.ops.object.rumple_bake(), rumple_bake_free(), rumple_bake_shape_keys()."""
+"""The operators of the bake: bpy.ops.object.rumple_bake(), rumple_bake_free(), rumple_bake_shape_keys()."""
 from __future__ import annotations
 
 import time
@@ -13,10 +13,10 @@ from ..translation import said
 from . import clip, duration, shape_keys
 from .playback import BakeError, Playback
 
-PARTS = 1000  # of the progress that is shown
+PARTS = 1000  # steps of the displayed progress
 UNSAVED = ": this folder goes when Blender quits. Save the file and bake again"
-WAIT_SECONDS = 2.0  # between two tries to put a clip in place
-STEP_SECONDS = 0.05  # the window stays alive: solve for so long between two redraws
+WAIT_SECONDS = 2.0  # between two attempts to move a clip to its place
+STEP_SECONDS = 0.05  # solve for this long between two redraws, so that the window responds
 
 
 class OBJECT_OT_rumple_bake(ui_base.OnWrinkled, bpy.types.Operator):
@@ -37,7 +37,7 @@ class OBJECT_OT_rumple_bake(ui_base.OnWrinkled, bpy.types.Operator):
         return self._end()
 
     def _line_up(self, context: bpy.types.Context) -> None:
-        """The names of what is to be baked."""
+        """List the names of the objects to bake."""
         self._baked = 0
         if not self.every:
             self._waiting = [context.object.name]
@@ -45,9 +45,9 @@ class OBJECT_OT_rumple_bake(ui_base.OnWrinkled, bpy.types.Operator):
         self._waiting = [obj.name for obj in duration.bake_all(context.scene)]
 
     def _next(self, context: bpy.types.Context) -> None:
-        """Begin the next that can be baked; none: all are done."""
+        """Begin the next object that can be baked. If there is none, all are done."""
         self._running: clip.ClipBake | None = None
-        self._again_at = 0.0  # by time.perf_counter(), where a clip waits for its place
+        self._again_at = 0.0  # time.perf_counter() of the next attempt, while a clip waits to be moved to its place
         while self._waiting and self._running is None:
             name = self._waiting.pop(0)
             if name in bpy.data.objects:
@@ -55,7 +55,7 @@ class OBJECT_OT_rumple_bake(ui_base.OnWrinkled, bpy.types.Operator):
                 self._running = self._begin(context, bpy.data.objects[name])
 
     def _step_until(self, context: bpy.types.Context, until: float) -> None:
-        """Solve samples until that time, or the end of this object: then the next begins."""
+        """Solve samples until this time or until the object is done. Then the next object begins."""
         try:
             while time.perf_counter() < until:
                 if not self._running.step():
@@ -70,7 +70,7 @@ class OBJECT_OT_rumple_bake(ui_base.OnWrinkled, bpy.types.Operator):
             self._next(context)
 
     def _wait(self, context: bpy.types.Context, error: clip.NotInPlace) -> None:
-        """What was solved, perhaps for hours, is not given up for a file that another program has open. Esc does so."""
+        """Wait while another program has the file open, because the bake may have taken hours. Esc gives it up."""
         text = said(f"The baked clip waits until it can be put in place, Esc gives it up: {error}")
         if self._again_at == 0.0:
             self.report({"WARNING"}, text)
@@ -86,7 +86,7 @@ class OBJECT_OT_rumple_bake(ui_base.OnWrinkled, bpy.types.Operator):
     def invoke(self, context: bpy.types.Context, _event: bpy.types.Event) -> set[str]:
         if bpy.app.background:
             return self.execute(context)
-        if first_pass.is_read():  # in another window: each would have the other's garments stand still
+        if first_pass.is_read():  # by a bake in another window: each would stop the other's garments
             self.report({"WARNING"}, said("Another bake is under way: wait for it, or press Esc in its window"))
             return {"CANCELLED"}
         self._line_up(context)
@@ -115,7 +115,7 @@ class OBJECT_OT_rumple_bake(ui_base.OnWrinkled, bpy.types.Operator):
         return {"RUNNING_MODAL"}
 
     def cancel(self, context: bpy.types.Context) -> None:
-        """Another file, or the window is closed."""
+        """Called if another file is opened or the window is closed."""
         self._end_modal(context)
         if self._running is not None:
             self._running.cancel()
@@ -147,7 +147,7 @@ class OBJECT_OT_rumple_bake(ui_base.OnWrinkled, bpy.types.Operator):
         self.report({kind}, said(str(error)))
 
     def _finish(self, bake: clip.ClipBake) -> None:
-        """Raises BakeError."""
+        """Finish the bake of one object. Raises BakeError."""
         written = bake.finish()
         self._baked += 1
         note = bake.note + (UNSAVED if clip_place.is_temporary(written) else "")

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The panel "Bake". ui/panels.py registers it among the others."""
+"""The panel "Bake". ui/panels.py registers it with the other panels."""
 from __future__ import annotations
 
 import bpy
@@ -12,7 +12,7 @@ from . import duration
 
 
 def draw_header(layout: bpy.types.UILayout, obj: bpy.types.Object) -> None:
-    """What is baked, and the button that frees it, above the other panels."""
+    """Above the other panels: which frames are baked, and the button that frees them."""
     if not modifier.is_baked(modifier.find(obj)):
         return
     clip = clip_status.clip_path(obj)
@@ -45,6 +45,6 @@ class DATA_PT_rumple_bake(Panel, bpy.types.Panel):
         if modifier.is_baked(modifier.find(obj)):
             row.operator("object.rumple_bake_free")
         column.operator("object.rumple_bake_shape_keys")
-        row = column.row(align=True)  # of the folder `farm`, which builds on this one
+        row = column.row(align=True)  # these operators are in the folder `farm`
         row.operator("object.rumple_publish", icon="EXPORT")
         row.operator("object.rumple_vat", icon="TEXTURE")

@@ -14,7 +14,7 @@ from ..frame import clip_status, first_pass
 from ..objects import incoming_mesh, modifier, runtimes, units, viewport_mesh, visibility
 
 
-MOST_FRAME = 1_048_574  # of Blender, on both sides of 0: what is asked for beyond it is never reached
+MOST_FRAME = 1_048_574  # Blender's limit, positive and negative: later frames cannot be reached
 
 
 class BakeError(RuntimeError):
@@ -22,7 +22,7 @@ class BakeError(RuntimeError):
 
 
 class Playback:
-    """Plays an object through a range of frames and hands out what was solved."""
+    """Plays an object through a range of frames and returns the results."""
 
     def __init__(self, context: bpy.types.Context, obj: bpy.types.Object, start: int, end: int, samples: int) -> None:
         for frame in (start, end):
@@ -38,13 +38,14 @@ class Playback:
         self.start, self.end, self.samples = start, end, samples
         self.now = self.scene.frame_current, self.scene.frame_subframe
         self.pre_roll = range(min(units.first_frame(obj, self.scene), start), start)
-        self.seen = range(self.pre_roll.start, end + 1)  # by a look at the whole clip
+        self.seen = range(self.pre_roll.start, end + 1)  # frames that an analysis of the whole clip reads
         self.is_part = False
-        self._held: tuple[engine.FrameResult, np.ndarray] | None = None  # what was shown last
+        self._held: tuple[engine.FrameResult, np.ndarray] | None = None  # the last result
         self.analyzes = obj.rumple.bake_whole_clip and clip_status.sees_ahead(obj, context.scene)
         self._count_steps()
         nodes_mod = modifier.find(obj)
-        self.passes = 2 if modifier.depends_on_wrinkled(obj) else 1  # the other one is solved in the first pass
+        # in the first pass, the object that it depends on is solved
+        self.passes = 2 if modifier.depends_on_wrinkled(obj) else 1
         self.was_baked = modifier.is_baked(nodes_mod)
         if self.was_baked:
             modifier.set_baked(nodes_mod, False)
@@ -56,14 +57,14 @@ class Playback:
         self.count = len(self.pre_roll) + self.sample_count + len(self.seen) * self.analyzes
 
     def keep_to(self, start: int, end: int, pre_roll: range) -> None:
-        """Solve a part of the frames, behind no others than those of the pre-roll. A look at the whole clip stays one.
+        """Solve only a part of the frames, after the pre-roll. An analysis still reads the whole clip.
         """
         self.start, self.end, self.pre_roll, self.is_part = start, end, pre_roll, True
         self._count_steps()
 
     @property
     def is_independent(self) -> bool:
-        """Whether a frame is solved without those before it."""
+        """Whether a frame is solved without the frames before it."""
         return clip_status.is_independent(self.obj, self.scene)
 
     @property
@@ -71,17 +72,17 @@ class Playback:
         return (self.end - self.start) * self.samples + 1
 
     def solve_sample(self, sample: int) -> tuple[engine.FrameResult, np.ndarray]:
-        """(picture, coarse positions) of one."""
+        """(result, coarse positions) of one sample."""
         whole, part = divmod(sample, self.samples)
         return self.solve_at(self.start + whole, part / self.samples)
 
     def samples_in_order(self) -> Iterator[tuple[bool, engine.FrameResult | None, np.ndarray | None]]:
-        """(wanted, picture, coarse positions) of every sample. Not wanted: those of the pre-roll, and without a picture
-        the frames of a first pass that only looks at the clip."""
+        """(wanted, result, coarse positions) of every sample. Samples of the pre-roll are not wanted. Frames of an
+        analysis are not wanted either, and have no result."""
         if self.analyzes:
             for _ in self.analyze():
                 yield False, None, None
-        if self.is_part:  # nor behind a frame that happens to be solved
+        if self.is_part:  # a part must not continue from other stored frames
             runtime = runtimes.of(self.obj)
             if runtime.evaluator is not None:
                 runtime.evaluator.frame_cache.clear()
@@ -93,7 +94,7 @@ class Playback:
 
     @contextmanager
     def unsolved(self) -> Iterator[None]:
-        """In it frames are evaluated up to the wrinkles, and nothing is solved."""
+        """A context in which frames are evaluated up to the wrinkles, but not solved."""
         runtime = runtimes.of(self.obj)
         runtime.analyzing = True
         try:
@@ -102,7 +103,8 @@ class Playback:
             runtime.analyzing, runtime.analyzed = False, None
 
     def analyze(self) -> Iterator[None]:
-        """Read the pose of every whole frame; the solver then knows the clip. Memory: 12 bytes a vertex and frame."""
+        """Read the pose of every whole frame, so that the solver can analyse the clip. Memory: 12 bytes per vertex and
+        frame."""
         runtime, clip = runtimes.of(self.obj), {}
         runtime.analyzing = True
         for frame in self.seen:
@@ -120,10 +122,10 @@ class Playback:
             runtime.evaluator.analyze_clip(clip, runtime.analyzed.settings, frame_rate=runtime.analyzed.frame_rate)
         except engine.UserError as error:
             raise BakeError(str(error)) from error
-        runtime.invalidate_output()  # what is shown was solved as live
+        runtime.invalidate_output()  # the shown result was solved without the analysis
 
     def _is_gone(self) -> bool:
-        """Whether the file was replaced: Blender 4.3 crashes where its scene is asked for a frame."""
+        """Whether another file was opened. Then the scene must not be used: Blender 4.3 would crash."""
         return self.file != scheduler.file_number()
 
     def visit(self, frame: int, subframe: float = 0.0) -> runtimes.Runtime:
@@ -139,7 +141,8 @@ class Playback:
         return runtime
 
     def solve_at(self, frame: int, subframe: float) -> tuple[engine.FrameResult, np.ndarray]:
-        """The same at any time. Where keyed visibility hides it: what was shown last, and before that the rest."""
+        """(result, coarse positions) at any time. If keyed visibility hides the object: the last result, or at first
+        the rest shape."""
         runtime = self.visit(frame, subframe)
         if self._is_skipped() and runtime.evaluator is not None:
             return self._held or self._at_rest(runtime)
@@ -153,26 +156,26 @@ class Playback:
         return self._held
 
     def _is_skipped(self) -> bool:
-        """Whether keyed visibility hides it in this frame."""
+        """Whether keyed visibility hides the object in this frame."""
         return visibility.is_keyed(self.obj) and visibility.is_skipped(self.obj, bpy.context.evaluated_depsgraph_get())
 
     def _at_rest(self, runtime: runtimes.Runtime) -> tuple[engine.FrameResult, np.ndarray]:
-        """(picture, coarse positions) of a frame that nothing is solved in."""
-        runtime.invalidate_output()  # what was looked at before the bake is no part of it
+        """(result, coarse positions) of a frame in which nothing is solved."""
+        runtime.invalidate_output()  # results from before the bake are not part of it
         fine = runtime.evaluator
         rest = np.ascontiguousarray(fine.positions_rest, np.float32)
         return (engine.FrameResult.at_rest(rest, len(fine.corner_vertex), fine.ATTRIBUTES),
                 compat.positions(incoming_mesh.of(self.obj)))
 
     def note(self) -> str:
-        """What is odd about what was solved, for the report; empty when nothing is."""
+        """A warning about the solved frames, for the report; empty if there is none."""
         fine = runtimes.of(self.obj).evaluator
         others = sorted(fine.pose_mismatches) if fine is not None else []
         return (f". {len(others)} frames have another pose than the analysis of the clip saw (first: {others[0]:g}): "
                 "they were solved as in playback") if others else ""
 
     def end_playback(self, restore_bake: bool) -> None:
-        """Also where the object, or the file, has gone meanwhile: as far as it can be done."""
+        """Restore the state before the playback, as far as possible: the object or the file may be gone."""
         first_pass.read_only(None)
         if self._is_gone():
             return

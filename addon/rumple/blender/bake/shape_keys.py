@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Shape keys of a clip, for exporters and other programs."""
+"""Makes an object with a shape key for each frame of a clip, for exporters and other programs."""
 from __future__ import annotations
 
 import bpy
@@ -14,8 +14,8 @@ LINEAR = bpy.types.Keyframe.bl_rna.properties["interpolation"].enum_items["LINEA
 
 def shape_key_object(context: bpy.types.Context, obj: bpy.types.Object, shapes: list[np.ndarray],
                      start: int) -> bpy.types.Object:
-    """A copy of obj whose mesh is the fine one, moved by shape keys; later modifiers stay. The keys are relative:
-    exporters skip the animation of absolute ones."""
+    """A copy of obj with the fine mesh, animated by shape keys. Later modifiers stay. The keys are relative, because
+    exporters ignore the animation of absolute keys."""
     mesh = modifier.output_object(modifier.find(obj)).data.copy()
     copy = obj.copy()
     mesh.name = copy.name = f"{obj.name} shape keys"
@@ -37,8 +37,9 @@ def shape_key_object(context: bpy.types.Context, obj: bpy.types.Object, shapes: 
 
 
 def _animate(keys: bpy.types.Key, name: str, start: int) -> None:
-    """The value of each key is 1 in its frame and 0 in the frames beside it, linear between: there the two keys next to
-    that moment are blended. Before the first frame and after the last, the nearest key is held."""
+    """The value of each key is 1 in its frame and 0 in the frames before and after, with linear interpolation. So
+    between frames the two nearest keys are blended. Before the first frame and after the last one, the nearest key is
+    held."""
     blocks = keys.key_blocks[1:]
     curves = compat.new_curves(keys, name)
     for number, block in enumerate(blocks):

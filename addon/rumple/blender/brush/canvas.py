@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the brush paints on: the Wrinkle Field of an object in the pose that is seen, and its painted attribute."""
+"""The canvas of the brush: the Wrinkle Field of an object in its visible pose, and the painted attribute."""
 from __future__ import annotations
 
 import bpy
@@ -15,14 +15,14 @@ from ..objects import incoming_mesh, mesh_reader, modifier, posed_coarse, runtim
 
 
 class Canvas:
-    """An object under the brush. Kept from stroke to stroke, for as long as its wrinkles are the same."""
+    """An object that is painted on. It is kept between strokes, as long as the object has the same evaluator."""
 
     def __init__(self, field: WrinkleField) -> None:
         self.easel = Easel(field)
         self._tree: BVHTree | None = None
 
     def pose(self, obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> None:
-        """As it stands in this depsgraph. Raises UserError."""
+        """Take the pose from this depsgraph. Raises UserError."""
         evaluated = obj.evaluated_get(depsgraph)
         count = len(obj.data.vertices)
         positions = posed_coarse.positions(obj, count, depsgraph)
@@ -36,7 +36,7 @@ class Canvas:
             self._tree = None
 
     def hit(self, origin: Vector, direction: Vector) -> tuple[Vector, Vector] | None:
-        """Where a ray meets the coarse mesh, and the normal of the triangle there; world space."""
+        """Where a ray hits the coarse mesh, and the normal of the triangle there; world space."""
         if self._tree is None:
             self._tree = BVHTree.FromPolygons(self.easel.positions.tolist(), self.easel.triangles().tolist(),
                                               all_triangles=True)
@@ -69,14 +69,14 @@ def canvas_of(obj: bpy.types.Object) -> Canvas:
 
 
 def forget() -> None:
-    """Another file, or the add-on is switched off."""
+    """Drop the canvas, after another file was opened or the add-on was disabled."""
     global _last
     _last = None
 
 
 # ---------------------------------------------------------------- the painted attribute
 def read(mesh: bpy.types.Mesh) -> np.ndarray | None:
-    """What is painted on a coarse mesh, (n, 3) float32; None where nothing ever was. Raises UserError."""
+    """The painted values of a coarse mesh, (n, 3) float32; None if it was never painted. Raises UserError."""
     found = mesh.attributes.get(mesh_reader.REST_WRINKLE)
     if found is None:
         return None
@@ -87,7 +87,7 @@ def read(mesh: bpy.types.Mesh) -> np.ndarray | None:
 
 
 def write(mesh: bpy.types.Mesh, painted: np.ndarray | None) -> None:
-    """Store it; None removes the attribute."""
+    """Store painted values; None removes the attribute."""
     if painted is not None:
         compat.write_attribute(mesh, mesh_reader.REST_WRINKLE, "FLOAT_VECTOR", "POINT", painted)
     elif mesh_reader.REST_WRINKLE in mesh.attributes:

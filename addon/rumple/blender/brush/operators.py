@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Rest-pose wrinkles painted by hand: the brush's settings (scene.rumple_brush), its operators and its tool.
+"""The brush for rest-pose wrinkles: its settings (scene.rumple_brush), operators and tool.
 
-bpy.ops.object.rumple_brush() takes up the brush in the 3D viewports, rumple_brush_stroke() is one stroke of it;
-rumple_scatter(seed=0, density=0.5, size=0.1, length=0.7) and rumple_clear_rest_wrinkles() need no hand.
+bpy.ops.object.rumple_brush() activates the brush in the 3D viewports. rumple_brush_stroke() paints one stroke.
+rumple_scatter(seed=0, density=0.5, size=0.1, length=0.7) and rumple_clear_rest_wrinkles() work without a mouse.
 """
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ _LENGTH = dict(name="Depth", min=0.0, max=LONGEST, default=DEFAULT_LENGTH, subty
                            "width")
 
 
-PATCH = 0.1  # metres, where no size is given
+PATCH = 0.1  # metres, default size
 
 
 class RUMPLE_Brush(bpy.types.PropertyGroup):
@@ -72,7 +72,7 @@ class RUMPLE_Brush(bpy.types.PropertyGroup):
 
 
 def refusal(obj: bpy.types.Object | None) -> str:
-    """Why an object cannot be painted; empty when it can."""
+    """Why an object cannot be painted; empty if it can."""
     if obj is None or obj.type != "MESH":
         return "Choose a mesh object first"
     if not (compat.is_editable(obj) and compat.is_editable(obj.data)):
@@ -99,7 +99,7 @@ class _OnField:
 
     @staticmethod
     def rebuild_what_is_due() -> None:
-        """What is due to be rebuilt is rebuilt first: the brush wants the mesh of now."""
+        """Do pending rebuilds first, because the brush needs the current mesh."""
         if not scheduler.rendering():
             scheduler.sync_all()
 
@@ -128,7 +128,7 @@ class OBJECT_OT_rumple_brush_stroke(_OnField, bpy.types.Operator):
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        # What is wrong with the object is said on the press, not passed over.
+        # Errors of the object are reported when the mouse is pressed, so they must not disable the operator.
         return context.mode == "OBJECT" and context.region_data is not None
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
@@ -168,7 +168,7 @@ class OBJECT_OT_rumple_brush_stroke(_OnField, bpy.types.Operator):
         return {"CANCELLED"}
 
     def _guarded(self, context: bpy.types.Context, step: Callable[[], set[str]]) -> set[str]:
-        """What is wrong is said in words, and the stroke is as if it had not been."""
+        """Run a step. After an error, report it and undo the stroke."""
         try:
             return step()
         except UserError as error:
@@ -253,7 +253,7 @@ class RUMPLE_RestWrinkleTool(bpy.types.WorkSpaceTool):
 
 
 def draw_brush(layout: bpy.types.UILayout, brush: bpy.types.PropertyGroup, brief: bool = False) -> None:
-    """The settings of the brush. brief: as many as the viewport's header has room for."""
+    """The settings of the brush. brief: only those that fit into the viewport's header."""
     for name, pressure in (("radius", "pressure_radius"), ("strength", "pressure_strength")):
         row = layout.row(align=True)
         row.prop(brush, name)
@@ -277,7 +277,8 @@ CLASSES = (RUMPLE_Brush, OBJECT_OT_rumple_brush, OBJECT_OT_rumple_brush_stroke, 
 
 
 def _where_it_paints(context: bpy.types.Context | None) -> tuple:
-    """For the toolbar, which takes functions in place of tools. Without a context it asks for all that there may be."""
+    """The tool for the toolbar, which accepts functions instead of tools. Without a context, it asks for all possible
+    tools."""
     obj = None if context is None else context.object
     nodes_mod = modifier.find(obj) if obj is not None and obj.type == "MESH" else None
     shown = context is None or (nodes_mod is not None and modifier.system(nodes_mod).method == "FIELD")
@@ -285,7 +286,7 @@ def _where_it_paints(context: bpy.types.Context | None) -> tuple:
 
 
 def _exchange(listed: object, other: object) -> None:
-    """In the list of tools of Object Mode."""
+    """Replace an entry in the list of tools of Object Mode."""
     tools = bpy.types.VIEW3D_PT_tools_active._tools[RUMPLE_RestWrinkleTool.bl_context_mode]
     tools[tools.index(listed)] = other
 
@@ -300,7 +301,7 @@ def register() -> None:
     for cls in CLASSES:
         bpy.utils.register_class(cls)
     bpy.types.Scene.rumple_brush = bpy.props.PointerProperty(type=RUMPLE_Brush)
-    if not bpy.app.background:  # there are no keymaps yet when a background Blender starts with the add-on on
+    if not bpy.app.background:  # in the background there are no keymaps when Blender starts with the add-on enabled
         bpy.utils.register_tool(RUMPLE_RestWrinkleTool, after={"builtin.cursor"}, separator=True)
         _exchange(RUMPLE_RestWrinkleTool._bl_tool, _where_it_paints)
     bpy.app.handlers.load_post.append(_on_load)

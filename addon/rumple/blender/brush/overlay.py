@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What is painted, drawn in the viewport while the brush is in hand: a line along the folds at every point."""
+"""Draws the painted wrinkles in the viewport while the brush is active: a line along the folds at every vertex."""
 from __future__ import annotations
 
 from contextlib import suppress
@@ -16,15 +16,15 @@ from ..viewport.draw_handler import DrawHandler
 from . import canvas as brush_canvas
 
 WEAK, STRONG = np.array((0.3, 0.75, 1.0, 1.0), np.float32), np.array((1.0, 0.85, 0.1, 1.0), np.float32)
-RIM = np.array((0.0, 0.0, 0.0, 0.6), np.float32)  # around the lines: they are seen on any colour of cloth
+RIM = np.array((0.0, 0.0, 0.0, 0.6), np.float32)  # around the lines, so that they are visible on any colour of cloth
 WIDTH, RIM_WIDTH = 2.0, 4.0  # pixels, times the interface's scale
-NEARER = 0.02  # share of the way to the viewer that lines are drawn nearer, so that folds do not hide them
+NEARER = 0.02  # lines are moved towards the viewer by this share of the distance, so that folds do not hide them
 CURSOR = (1.0, 1.0, 1.0, 0.8)
 
 
 @dataclass
 class _Drawn:
-    """Lines on the graphics card and what they were made from."""
+    """Lines on the graphics card, and the data that they were made from."""
 
     easel: Any
     positions: np.ndarray
@@ -38,7 +38,7 @@ _last: _Drawn | None = None
 
 
 def register(tool: str) -> None:
-    """tool: what must be in hand."""
+    """tool: the tool that must be active."""
     global _tool
     _tool = tool
     handler.add()
@@ -54,7 +54,7 @@ def forget() -> None:
 
 
 def _draw_what_can_be() -> None:
-    """Nothing where the wrinkles or the mesh are refused: their panel says why."""
+    """Draw, or do nothing if the wrinkles or the mesh are refused. The panel says why."""
     with suppress(UserError):
         _draw(bpy.context)
 
@@ -81,7 +81,7 @@ def is_tool_active(context: bpy.types.Context) -> bool:
 
 
 def _batches(easel: Any, painted: np.ndarray, across: bool) -> list:
-    """The lines; made anew only where something changed."""
+    """The lines. They are only made again after a change."""
     global _last
     if not (_last is not None and _last.easel is easel and _last.across == across
             and _last.positions is easel.positions and np.array_equal(_last.painted, painted)):
@@ -106,7 +106,7 @@ def _draw_lines(batches: list, context: bpy.types.Context) -> None:
               else Matrix.Translation((0.0, 0.0, NEARER * view.view_distance)))
     wrote_depth = gpu.state.depth_mask_get()
     gpu.state.depth_test_set("LESS_EQUAL")
-    gpu.state.depth_mask_set(False)  # else the rims hide the lines
+    gpu.state.depth_mask_set(False)  # otherwise the rims would hide the lines
     gpu.state.blend_set("ALPHA")
     try:
         with gpu.matrix.push_pop():

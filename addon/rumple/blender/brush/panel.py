@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The panel "Rest Wrinkles" of a Wrinkle Field. panels.py registers it among the others."""
+"""The panel "Rest Wrinkles" of a Wrinkle Field. panels.py registers it with the other panels."""
 from __future__ import annotations
 
 import bpy

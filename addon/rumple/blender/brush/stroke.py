@@ -16,7 +16,7 @@ _FIXED = {"HORIZONTAL": 0.0, "VERTICAL": 0.5 * math.pi}  # directions on the scr
 
 
 class Stroke:
-    """Paints on an object while the hand moves. Everything may raise UserError."""
+    """Paints on an object while the mouse moves. All methods may raise UserError."""
 
     def __init__(self, obj: bpy.types.Object, brush: bpy.types.PropertyGroup, touch: str, region: bpy.types.Region,
                  view: bpy.types.RegionView3D, depsgraph: bpy.types.Depsgraph) -> None:
@@ -30,7 +30,8 @@ class Stroke:
         self.hand = Hand(SPACING * brush.radius)
 
     def press(self, x: float, y: float, pressure: float) -> None:
-        """Pixels of the region. A hand that has not moved has no direction: what needs none is done at once."""
+        """Begin the stroke. x, y: pixels of the region. There is no direction before the mouse moves. If the brush
+        needs none, the first dab is made at once."""
         place = self.hand.press(x, y, pressure)
         if self.touch != "PAINT" or self.brush.direction != "STROKE":
             self._set_down([place])
@@ -39,7 +40,7 @@ class Stroke:
         self._set_down(self.hand.move(x, y, pressure))
 
     def cancel(self) -> None:
-        """As it was before the press."""
+        """Restore the values from before the stroke."""
         if self.changed:
             brush_canvas.write(self.mesh, self.before)
 
@@ -69,13 +70,14 @@ class Stroke:
             length=brush.length, falloff=brush.falloff)
 
     def _direction(self, place: Place) -> Vector:
-        """Of the stroke or of the setting, in pixels. Long, so that nothing is lost to single precision."""
+        """The direction of the stroke or of the setting, in pixels. The vector is long, to lose less in single
+        precision."""
         if self.brush.direction == "STROKE":
             return 100.0 * Vector((place.dx, place.dy))
         angle = _FIXED.get(self.brush.direction, self.brush.angle)
         return 100.0 * Vector((math.cos(angle), math.sin(angle)))
 
     def _way(self, centre: Vector, at: Vector, pixels: Vector) -> Vector:
-        """What so many pixels are at the depth of a point, parallel to the screen; world space."""
+        """A vector in pixels, converted to world space at the depth of a point, parallel to the screen."""
         start = view3d_utils.region_2d_to_location_3d(self.region, self.view, at, centre)
         return view3d_utils.region_2d_to_location_3d(self.region, self.view, at + pixels, centre) - start

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The baked garment as Alembic, by Blender's own exporter, where Blender was built with it: Debian's are not."""
+"""Exports the baked garment as Alembic with Blender's exporter. Debian's Blender is built without it."""
 from __future__ import annotations
 
 from contextlib import contextmanager
@@ -13,22 +13,22 @@ from ...core.clip_manifest import ClipFault, Manifest
 from ..bake.playback import BakeError
 from . import shown
 
-_MAGIC = b"Ogawa\xff"  # of a file that is whole: the exporter writes 0x00 behind the name until it has ended
+_MAGIC = b"Ogawa\xff"  # start of a complete file: the exporter writes 0x00 after the name until it has finished
 
 
 def publish(context: bpy.types.Context, obj: bpy.types.Object, manifest: Manifest, folder: Path) -> shown.Exported:
-    """manifest: of the clip that it shows. Raises BakeError and ClipFault."""
+    """Export the shown clip. manifest: of this clip. Raises BakeError and ClipFault."""
     if not bpy.app.alembic.supported:
         raise BakeError(f"{obj.name}: this Blender was built without Alembic: publish USD, or let a Blender of "
                         "blender.org publish")
     path = folder / f"{shown.stem(obj, manifest)}.abc"
     vertices = 0
-    for frame in shown.frames(context, obj, manifest):  # each is looked at before anything is written
+    for frame in shown.frames(context, obj, manifest):  # all frames are checked before anything is written
         vertices = len(frame.points)
     count = manifest.end - manifest.start + 1
     clip_folder.make(folder, count * manifest.samples * vertices * 12)
     temporary = clip_folder.temporary(path)
-    exported = temporary / "a.abc"  # short: the name of the folder is long, and Windows takes 260 letters in all
+    exported = temporary / "a.abc"  # short, because the folder's name is long, and Windows allows 260 letters in total
     try:
         temporary.mkdir()
         with _selected(context, obj):
@@ -42,7 +42,7 @@ def publish(context: bpy.types.Context, obj: bpy.types.Object, manifest: Manifes
 
 
 def _export(path: Path, manifest: Manifest) -> None:
-    """Raises ClipFault. Samples between frames are those of the bake: renderers blur by them."""
+    """Run the exporter. The samples between frames are those of the bake, for motion blur. Raises ClipFault."""
     try:
         bpy.ops.wm.alembic_export(filepath=str(path), start=manifest.start, end=manifest.end,
                                   xsamples=manifest.samples, gsamples=manifest.samples, sh_open=0.0, sh_close=1.0,
@@ -65,7 +65,7 @@ def _head(path: Path) -> bytes:
 
 @contextmanager
 def _selected(context: bpy.types.Context, obj: bpy.types.Object) -> Iterator[None]:
-    """That object alone."""
+    """A context in which only this object is selected."""
     layer = context.view_layer
     before = [other for other in layer.objects if other.select_get(view_layer=layer)]
     try:

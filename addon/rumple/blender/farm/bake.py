@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The bake of one garment by a worker: locked, and resumed where a former one was ended."""
+"""The bake of one garment by a worker, with a lock. It can resume an interrupted bake."""
 from __future__ import annotations
 
 import time
@@ -22,47 +22,47 @@ from ..objects import messages, modifier, runtimes
 from . import plan, source
 
 Say = Callable[[str], None]
-CHECKPOINT = 20.0  # seconds of a bake between two states that are kept
+CHECKPOINT = 20.0  # seconds between two checkpoints
 _end_wanted = False
 
 
 class Ended(Exception):
-    """From outside: what is baked so far is kept."""
+    """Raised if the bake is stopped from outside. Its samples so far are kept."""
 
 
 def end_soon() -> None:
-    """For the handler of a signal. Behind the sample that is being solved: Blender ends the process on the spot where
-    SystemExit leaves one of its own handlers."""
+    """Stop after the current sample; for a signal handler. It does not raise SystemExit, because Blender ends the
+    process immediately if SystemExit leaves one of Blender's handlers."""
     global _end_wanted
     _end_wanted = True
 
 
 def is_end_wanted() -> bool:
-    """Whether a signal came."""
+    """Whether a signal has asked to stop."""
     return _end_wanted
 
 
 @dataclass
 class Options:
-    """As the command line has them."""
+    """The options of the command line."""
 
     resume: bool = False
     oldest_lock: float = 600.0
     checkpoint: float = CHECKPOINT
-    piece: tuple[int, int] | None = None  # number, of how many
-    join: int = 0  # so many pieces
-    pre_roll: int = 0  # frames in front of each piece
-    tolerance: float = 0.0  # metres, where two pieces meet
+    piece: tuple[int, int] | None = None  # number of the piece, number of pieces
+    join: int = 0  # number of pieces to join
+    pre_roll: int = 0  # frames before each piece
+    tolerance: float = 0.0  # metres, largest difference where two pieces meet
 
 
 class FarmBake(clip.ClipBake):
-    """A ClipBake that another one can go on with."""
+    """A ClipBake that can be resumed."""
 
-    behind_a_jump = False  # its frames are final only where they were played from the clip's first one
+    behind_a_jump = False  # frames are only final if they were played from the clip's first frame
 
     def __init__(self, context: bpy.types.Context, obj: bpy.types.Object, digest: str, resume: bool,
                  checkpoint: float = CHECKPOINT) -> None:
-        """checkpoint: seconds between two of them."""
+        """checkpoint: seconds between two checkpoints."""
         self._digest, self._resume, self._every = digest, resume, checkpoint
         self.passed = 0  # samples that are not solved again
         super().__init__(context, obj)
@@ -79,7 +79,7 @@ class FarmBake(clip.ClipBake):
             raise
 
     def _take_lock(self, path: Path) -> None:
-        """bake() has it, before it looks at what is there."""
+        """Nothing: bake() has taken the lock before it looks for existing clips."""
 
     def _make_writer(self, path: Path, manifest: Manifest, attributes: tuple[Attribute, ...]) -> PartialWriter:
         manifest.source = self._digest
@@ -88,8 +88,8 @@ class FarmBake(clip.ClipBake):
         return self.partial
 
     def _usable(self) -> int:
-        """How many of the samples that are kept a bake may go on behind: all of them where frames are independent, else
-        those up to a state."""
+        """How many kept samples a bake may continue after: all if frames are independent, otherwise those up to a
+        checkpoint."""
         if self.curves.wanted:
             return 0
         if self.playback.is_independent:
@@ -98,14 +98,14 @@ class FarmBake(clip.ClipBake):
         return state.sample + 1 if state is not None and self._has_states else 0
 
     def _pass_over(self, kept: int) -> None:
-        """Go on behind the first samples, if the last of them is what is solved here and now."""
+        """Continue after the first `kept` samples, if the last of them is equal when it is solved again here."""
         about = self.partial.manifest
         last = about.checksums[kept - 1], about.poses[kept - 1]
         if not self.playback.is_independent and not self._take_state():
             return
         self.partial.pass_over(kept - 1)
         self.partial.add(*self.playback.solve_sample(kept - 1))
-        if (about.checksums[kept - 1], about.poses[kept - 1]) != last:  # so none of them is trusted
+        if (about.checksums[kept - 1], about.poses[kept - 1]) != last:  # then none of them is used
             self.partial.cut(0)
             self.partial.pass_over(0)
             self.resumed = 0
@@ -115,15 +115,15 @@ class FarmBake(clip.ClipBake):
         self.playback.count = count
         self.samples = ((True, *self.playback.solve_sample(sample)) for sample in range(kept, count))
 
-    # --- states
+    # --- checkpoints
     def _take_state(self) -> bool:
-        """Whether the frame of the state that is kept has the same pose here, and goes on from it now."""
+        """Continue from the kept checkpoint. Returns False if its frame has another pose here."""
         state = self.partial.checkpoint
         assert state is not None
         if self.playback.analyzes:
             for _ in self.playback.analyze():
                 pass
-        self.playback.solve_sample(state.sample)  # by a jump: that makes all that the state belongs to
+        self.playback.solve_sample(state.sample)  # a jump to its frame builds everything that the state needs
         runtime, frame = runtimes.of(self.obj), self._frame(state.sample)
         solved = runtime.evaluator.frame_cache.get(frame)
         try:
@@ -138,7 +138,7 @@ class FarmBake(clip.ClipBake):
         return True
 
     def _frame(self, sample: int) -> float:
-        """The whole frame that it is, or is behind."""
+        """The whole frame of a sample, or the one before it."""
         return float(self.playback.start + sample // self.playback.samples)
 
     def step(self) -> bool:
@@ -148,7 +148,7 @@ class FarmBake(clip.ClipBake):
         return more
 
     def _keep_state(self) -> None:
-        """What lives on behind the last whole frame, for a bake that resumes."""
+        """Write a checkpoint after the last whole frame."""
         self._kept_at = time.monotonic()
         sample = self.partial.done - 1
         if not self._has_states or sample < 0:
@@ -159,7 +159,7 @@ class FarmBake(clip.ClipBake):
             self.partial.save(Checkpoint.of(sample - sample % self.playback.samples, solved))
 
     def stop(self) -> None:
-        """Ended from outside: what is baked so far is left for a bake that resumes. Never raises."""
+        """Stop from outside, and keep the samples for a later bake. Never raises."""
         with messages.console_errors(self.name):
             self._keep_state()
         self.partial.keep()
@@ -167,16 +167,16 @@ class FarmBake(clip.ClipBake):
         self.cancel()
 
 
-# ---------------------------------------------------------------- clips that are there
+# ---------------------------------------------------------------- existing clips
 def whole_clip(obj: bpy.types.Object, digest: str, any_frames: bool = False) -> Manifest | None:
-    """The clip at an object's place, if it is whole and of the same: file, settings, frames. Else None."""
+    """The clip at an object's place, if it is complete and has the same file, settings and frames. Otherwise None."""
     about = obj.rumple
     return whole_at(clip.new_clip_path(obj), obj, digest,
                     None if any_frames else (about.bake_start, about.bake_end, about.bake_samples))
 
 
 def whole_at(path: Path, obj: bpy.types.Object, digest: str, frames: tuple[int, int, int] | None) -> Manifest | None:
-    """The clip at a path. frames: first, last, samples of each; None: any."""
+    """The clip at a path, if it is complete. frames: first, last, samples per frame; None: any."""
     try:
         manifest = clip_file.read_manifest(path) if path.is_file() else None
         if manifest is None or manifest.source != digest or manifest.object != obj.name or not manifest.checksums:
@@ -195,7 +195,7 @@ def whole_at(path: Path, obj: bpy.types.Object, digest: str, frames: tuple[int, 
 
 
 def show(obj: bpy.types.Object, manifest: Manifest) -> None:
-    """Let an object play the clip at its place."""
+    """Make an object play the clip at its place."""
     path = clip.new_clip_path(obj)
     if manifest.curves:
         curves = path_curves.clip_path(path)
@@ -204,8 +204,9 @@ def show(obj: bpy.types.Object, manifest: Manifest) -> None:
 
 
 def show_needed(obj: bpy.types.Object, files: str, all_frames: bool = True) -> list[str]:
-    """Let what an object rests on play its clips, as where all are baked one after another. The names of those that
-    have none, and are solved live. all_frames: they have to cover those that the object is baked for: BakeError."""
+    """Make the objects under a garment play their clips, as in a bake of all objects. Returns the names of those
+    without a clip, which are solved live. all_frames: raise BakeError if a clip does not cover the frames of the
+    bake."""
     live = []
     for name in _all_needed(obj):
         other = bpy.data.objects[name]
@@ -222,7 +223,7 @@ def show_needed(obj: bpy.types.Object, files: str, all_frames: bool = True) -> l
 
 
 def _all_needed(obj: bpy.types.Object) -> list[str]:
-    """What it rests on, each behind what that rests on."""
+    """The objects that it depends on, each after the objects that it depends on itself."""
     todo, found = plan.needs(obj), set()
     while todo:
         name = todo.pop()
@@ -235,14 +236,14 @@ def _all_needed(obj: bpy.types.Object) -> list[str]:
 # ---------------------------------------------------------------- one garment
 @dataclass
 class Baked:
-    """What became of one garment."""
+    """The result of the bake of one garment."""
 
     path: Path
     samples: int
     seconds: float
     bytes: int
-    resumed: int = 0  # samples of an ended bake that were used
-    passed: int = 0  # of these, not solved again
+    resumed: int = 0  # used samples of an interrupted bake
+    passed: int = 0  # those that were not solved again
     was_whole: bool = False
     note: str = ""
     checksum: int = 0
@@ -257,7 +258,7 @@ class Baked:
 
 
 def bake(context: bpy.types.Context, obj: bpy.types.Object, files: str, options: Options, say: Say) -> Baked:
-    """The clip of one garment. Raises BakeError, or ClipFault (Held: another worker has it)."""
+    """Bake the clip of one garment. Raises BakeError, or ClipFault (Held: another worker has it)."""
     path, started = clip.new_clip_path(obj), time.perf_counter()
     lock = Lock(path, options.oldest_lock)
     try:
@@ -273,19 +274,19 @@ def bake(context: bpy.types.Context, obj: bpy.types.Object, files: str, options:
 
 
 def run(running: FarmBake, lock: Lock, say: Say, started: float) -> Baked:
-    """To its end. started: by time.perf_counter()."""
+    """Run a bake to its end. started: time.perf_counter() at the start."""
     try:
         _step_through(running, lock, say)
         lock.check()
-    except (BakeError, Held):  # Held: another worker has begun meanwhile
+    except (BakeError, Held):  # Held: another worker has taken over
         running.cancel()
         raise
-    except BaseException:  # ended from outside, or a disk that fails for a moment: what is baked so far is kept
+    except BaseException:  # stopped from outside, or a temporary error of the disk: the samples are kept
         running.stop()
         raise
     try:
         path = running.finish()
-    except BaseException:  # a bake that resumes has it to put in place only
+    except BaseException:  # a later bake only needs to move it to its place
         running.stop()
         raise
     about = running.partial.manifest

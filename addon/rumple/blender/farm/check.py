@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a worker lacks for the file that is open, in words."""
+"""Checks what a worker lacks for the open file, and describes it."""
 from __future__ import annotations
 
 import glob
@@ -23,7 +23,7 @@ from . import plan, source
 
 @dataclass
 class Finding:
-    """kind: one word for machines. lacks: the worker cannot do its work so."""
+    """One problem. kind: one word for programs. lacks: the worker cannot do its work."""
 
     kind: str
     text: str
@@ -31,7 +31,7 @@ class Finding:
 
 
 def findings(garments: list[bpy.types.Object], to_bake: bool) -> list[Finding]:
-    """Everything, the gravest first. to_bake: clips that are stale or gone are notes."""
+    """All findings, the most serious first. to_bake: outdated or missing clips are only notes."""
     found = [*_programs(), *_files(), *_garments(garments, to_bake), *_disk(garments)]
     return sorted(found, key=lambda finding: not finding.lacks)
 
@@ -59,7 +59,7 @@ def _programs() -> Iterator[Finding]:
 
 
 def scripts_not_run() -> str:
-    """Of the open file, in words; empty where they were, or there are none."""
+    """A message if scripts of the open file were not run; otherwise empty."""
     if not bpy.app.autoexec_fail:
         return ""
     return (f"Python of the file was not run ({bpy.app.autoexec_fail_message}), so its rig may stand elsewhere: give "
@@ -72,7 +72,8 @@ def _files() -> Iterator[Finding]:
     for path in sorted(missing):
         yield Finding("linked", f"the linked file {path} is missing: everything from it is too")
     clips = set(map(clip_status.clip_path, (obj for obj, _ in modifier.wrinkled_objects())))
-    caches, said = set(source.caches()), {Path(text) for text in missing}  # paths: Blender may write them otherwise
+    # as paths, because Blender may spell them differently
+    caches, said = set(source.caches()), {Path(text) for text in missing}
     named = {*map(str, caches), *bpy.utils.blend_paths(absolute=True, packed=False, local=False)}
     for text in sorted({str(Path(text)): text for text in sorted(named)}.values()):
         if Path(text) in said | clips or _is_there(text):
@@ -82,7 +83,7 @@ def _files() -> Iterator[Finding]:
 
 
 def _is_there(text: str) -> bool:
-    """Tiles and sequences: any of them."""
+    """Whether a file exists. For tiles and sequences: any file of them."""
     if Path(text).exists():
         return True
     pattern = re.sub(r"<[A-Z]+>|#+", "*", glob.escape(text))
@@ -105,14 +106,14 @@ def _garments(garments: list[bpy.types.Object], to_bake: bool) -> Iterator[Findi
         if modifier.is_baked(nodes_mod) and output is not None:
             text = clip_status.check(obj, output)
             if text:
-                yield Finding("clip", text, lacks=not to_bake)  # a bake mends it
+                yield Finding("clip", text, lacks=not to_bake)  # a bake repairs it
         late = clip_status.late_in_renders(obj) if not modifier.is_baked(nodes_mod) else ""
         if late:
             yield Finding("garment", late, lacks=False)
 
 
 def _disk(garments: list[bpy.types.Object]) -> Iterator[Finding]:
-    """Clips that are still to be baked, folder by folder."""
+    """Free space for the clips that are still to be baked, for each folder."""
     needed: dict[Path, int] = {}
     for obj in garments:
         path = clip.new_clip_path(obj)

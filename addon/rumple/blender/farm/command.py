@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The command line: `rumple bake`, `check`, `publish`, ... A process of Blender without a window runs one of them.
 
-What it says begins with "Rumple: ", since Blender writes to the same streams; what went wrong goes to stderr.
+Its messages begin with "Rumple: ", because Blender writes to the same streams. Errors go to stderr.
 """
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from . import alembic, bake, commands, plan, poses, publish, shown, vat
 
 
 class Usage(Exception):
-    """The command line cannot be followed."""
+    """The command line is not valid."""
 
 
 class _Parser(argparse.ArgumentParser):
@@ -42,7 +42,7 @@ def complain(text: str) -> None:
 
 # ---------------------------------------------------------------- arguments
 def frames_of(text: str) -> tuple[int, int]:
-    """"1-250", "-5-20" or "12"."""
+    """First and last frame, from "1-250", "-5-20" or "12"."""
     found = re.fullmatch(r"(-?\d{1,7})(?:-(-?\d{1,7}))?", text)
     if found is None:
         raise argparse.ArgumentTypeError(f"frames are A-B, not {text}")
@@ -54,7 +54,7 @@ def frames_of(text: str) -> tuple[int, int]:
 
 
 def joined(words: list[str]) -> list[str]:
-    """Where frames begin below 0, argparse takes them for an option, but not behind "="."""
+    """Join --frames and its value by "=", because argparse takes a negative first frame for an option."""
     found: list[str] = []
     for word in words:
         if found and found[-1] == "--frames":
@@ -97,7 +97,7 @@ def parser() -> argparse.ArgumentParser:
 
 
 def _common() -> _Parser:
-    """What all commands take."""
+    """The arguments of all commands."""
     common = _Parser(add_help=False)
     common.add_argument("file", type=Path, metavar="FILE.blend")
     common.add_argument("--object", action="append", default=[], metavar="NAME", help="this one; may be given again")
@@ -158,7 +158,7 @@ def _add_poses_arguments(drawn: argparse.ArgumentParser) -> None:
 
 # ---------------------------------------------------------------- running
 def main(words: list[str]) -> int:
-    """The exit code."""
+    """Run a command. Returns the exit code."""
     try:
         chosen = parser().parse_args(joined(words))
     except Usage as error:
@@ -177,7 +177,7 @@ def _run(chosen: argparse.Namespace) -> int:
     commands.open_file(chosen.file, chosen.enable_autoexec)
     scene = bpy.context.scene
     garments = commands.choose(scene, chosen.object)
-    if chosen.command != "poses":  # whose frames and folder are not those of clips
+    if chosen.command != "poses":  # `poses` has its own frames and folder
         chosen.restore = _override(chosen, plan.garments(scene), garments)
     if getattr(chosen, "verify", None) is not None and (getattr(chosen, "piece", None) or getattr(chosen, "join", 0)):
         raise commands.Refused("--verify bakes nothing: leave --piece and --join out")
@@ -191,11 +191,11 @@ def _run(chosen: argparse.Namespace) -> int:
 
 def _override(chosen: argparse.Namespace, there: list[bpy.types.Object],
               garments: list[bpy.types.Object]) -> Callable[[], None]:
-    """What the command line says in place of the file; returns what takes it back."""
+    """Set frames and folder from the command line. Returns a function that restores the values of the file."""
     before = [(obj.rumple, obj.rumple.bake_start, obj.rumple.bake_end, obj.rumple.bake_folder) for obj in there]
     for obj in garments if chosen.frames else ():
         obj.rumple.bake_start, obj.rumple.bake_end = chosen.frames
-    for obj in there if chosen.out else ():  # what they rest on is looked for there, too
+    for obj in there if chosen.out else ():  # clips of objects under them are searched there too
         obj.rumple.bake_folder = os.path.abspath(chosen.out)
 
     def restore() -> None:
@@ -219,7 +219,7 @@ def _bake(chosen: argparse.Namespace, garments: list[bpy.types.Object]) -> comma
 
 @contextmanager
 def _ended_by_signal() -> Iterator[None]:
-    numbers = {signal.SIGTERM, getattr(signal, "SIGBREAK", signal.SIGTERM)}  # Windows sends no SIGTERM, it only ends
+    numbers = {signal.SIGTERM, getattr(signal, "SIGBREAK", signal.SIGTERM)}  # Windows ends a process without SIGTERM
     former = {number: signal.signal(number, lambda _signal, _frame: bake.end_soon()) for number in numbers}
     try:
         yield
@@ -278,11 +278,11 @@ def _attach(chosen: argparse.Namespace, garments: list[bpy.types.Object]) -> com
 
 
 def run_and_exit(words: list[str]) -> None:
-    """For a script that Blender runs: ends Blender."""
+    """Run a command and end Blender; for a script that Blender runs."""
     code = main(words)
     sys.stdout.flush()
     sys.stderr.flush()
-    os._exit(code)  # wm.quit_blender() and sys.exit() leave the code to Blender, which may crash on its way out
+    os._exit(code)  # with wm.quit_blender() or sys.exit(), Blender may crash while it quits and return another code
 
 
 # ---------------------------------------------------------------- blender --command rumple
@@ -290,7 +290,7 @@ _registered: list[Any] = []
 
 
 def register() -> None:
-    """The command: Blender 4.2 and later. The property: what a queue asks for when a file is submitted."""
+    """Register the command (Blender 4.2 and later) and a property, which a queue reads when a file is submitted."""
     bpy.types.Scene.rumple_bake_order = bpy.props.StringProperty(get=plan.as_text, description="Garments of the scene "
                                                                  "in the order in which they are baked")
     if hasattr(bpy.utils, "register_cli_command"):

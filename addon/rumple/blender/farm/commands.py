@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the commands do with an open file: each garment by itself, what fails is said and the others go on."""
+"""The work of the commands on an open file. If one garment fails, the error is reported and the others continue."""
 from __future__ import annotations
 
 import time
@@ -22,11 +22,11 @@ from .shown import Exported
 Say = Callable[[str], None]
 DONE, FAILED, USAGE, NOTHING, DIFFERS = 0, 1, 2, 3, 4
 HELD = 75  # EX_TEMPFAIL: another worker has it, try again later
-ENDED = 143  # by SIGTERM, as shells count it
+ENDED = 143  # exit code of shells for SIGTERM
 
 
 class Refused(Exception):
-    """Nothing is done. code: what the process ends with."""
+    """Raised if a command cannot do anything. code: exit code of the process."""
 
     def __init__(self, text: str, code: int = USAGE) -> None:
         super().__init__(text)
@@ -35,7 +35,7 @@ class Refused(Exception):
 
 @dataclass
 class Outcome:
-    """code: what the process ends with. data: the same for machines."""
+    """The result of a command. code: exit code of the process. data: the result for programs."""
 
     code: int
     data: dict[str, Any]
@@ -43,7 +43,7 @@ class Outcome:
 
 # ---------------------------------------------------------------- the file
 def open_file(file: Path, run_scripts: bool) -> None:
-    """Raises Refused."""
+    """Open a blend file. Raises Refused."""
     if not file.is_file():
         raise Refused(f"there is no file {file}")
     try:
@@ -53,7 +53,7 @@ def open_file(file: Path, run_scripts: bool) -> None:
 
 
 def choose(scene: bpy.types.Scene, names: list[str]) -> list[bpy.types.Object]:
-    """The garments of these names, or all, in the order in which they are baked. Raises Refused."""
+    """The garments with these names, or all, in the order of the bake. Raises Refused."""
     found = plan.garments(scene)
     there = ", ".join(sorted(obj.name for obj in found)) or "none"
     for name in names:
@@ -73,7 +73,7 @@ def _is_linked(name: str) -> bool:
 
 # ---------------------------------------------------------------- bake
 def bake_all(garments: list[bpy.types.Object], options: bake.Options, say: Say, complain: Say) -> Outcome:
-    """One after another, each behind those that it rests on."""
+    """Bake garments one after another, each after the objects that it depends on."""
     files, started = source.of_files(), time.perf_counter()
     results: dict[str, dict[str, Any]] = {}
     if check.scripts_not_run():
@@ -116,10 +116,10 @@ def _bake_one(obj: bpy.types.Object, files: str, options: bake.Options, say: Say
 
 
 def _failed(obj: bpy.types.Object, error: Exception) -> dict[str, Any]:
-    """What became of it. Also by what nobody foresaw: the others go on all the same."""
+    """The result of a garment that failed. It handles any exception, so that the others continue."""
     if isinstance(error, bake.Ended):
         return dict(code=ENDED, error="ended by SIGTERM; what is solved so far is kept for --resume")
-    if isinstance(error, (BakeError, ClipFault)):  # many begin with the name
+    if isinstance(error, (BakeError, ClipFault)):  # many messages begin with the object's name
         return dict(code=HELD if isinstance(error, Held) else FAILED, error=str(error).removeprefix(f"{obj.name}: "))
     if isinstance(error, OSError):
         return dict(code=FAILED, error=in_words(error, Path(
@@ -129,7 +129,7 @@ def _failed(obj: bpy.types.Object, error: Exception) -> dict[str, Any]:
 
 # ---------------------------------------------------------------- the others
 def verify_all(garments: list[bpy.types.Object], most: int, say: Say, complain: Say) -> Outcome:
-    """most: samples of each, 0: all."""
+    """Verify clips. most: samples of each clip; 0: all."""
     files = source.of_files()
     results: dict[str, dict[str, Any]] = {}
     for obj in garments:
@@ -148,7 +148,7 @@ def verify_all(garments: list[bpy.types.Object], most: int, say: Say, complain: 
 
 
 def check_all(garments: list[bpy.types.Object], to_bake: bool, say: Say, complain: Say) -> Outcome:
-    """What this worker lacks; to_bake: for a bake, which mends clips. Warnings do not count."""
+    """Check what this worker lacks. to_bake: for a bake, which repairs clips. Warnings do not count as failures."""
     findings = check.findings(garments, to_bake)
     for finding in findings:
         (complain if finding.lacks else say)(("" if finding.lacks else "note: ") + finding.text)
@@ -160,7 +160,7 @@ def check_all(garments: list[bpy.types.Object], to_bake: bool, say: Say, complai
 
 
 def list_all(garments: list[bpy.types.Object], say: Say) -> Outcome:
-    """In order."""
+    """List the garments, in the order of the bake."""
     rows = []
     for obj in garments:
         about = obj.rumple
@@ -173,7 +173,7 @@ def list_all(garments: list[bpy.types.Object], say: Say) -> Outcome:
 
 def export_all(garments: list[bpy.types.Object], export: Callable[[bpy.types.Object, Manifest], Exported], say: Say,
                complain: Say) -> Outcome:
-    """Each with a whole clip, for other programs. export: raises BakeError and ClipFault."""
+    """Export every garment with a complete clip. export: raises BakeError and ClipFault."""
     files = source.of_files()
     results: dict[str, dict[str, Any]] = {}
     for obj in garments:
@@ -196,7 +196,8 @@ def export_all(garments: list[bpy.types.Object], export: Callable[[bpy.types.Obj
 
 def make_poses(obj: bpy.types.Object, options: poses.Options, folder: Path, compare: int | None, say: Say,
                complain: Say) -> Outcome:
-    """compare: solve none but so many of the set again (0: all) and compare bits."""
+    """Make a set of poses. compare: instead, solve this many poses of an existing set again (0: all) and compare
+    bits."""
     solver: poses.Solver | None = None
     try:
         solver = poses.Solver(bpy.context, obj, source.of_files(), options)
@@ -234,8 +235,8 @@ def _compare_poses(solver: poses.Solver, folder: Path, most: int, say: Say, comp
 
 def attach_all(garments: list[bpy.types.Object], save_as: Path | None, restore: Callable[[], None], say: Say,
                complain: Say) -> Outcome:
-    """Save the file with its whole clips shown; what has none stays as it is. restore: takes back what the command line
-    has changed of the file."""
+    """Save the file with its complete clips shown. Garments without a clip are not changed. restore: undoes the changes
+    of the command line to the file."""
     files, counts_as = source.of_files(), source.of_file(Path(bpy.data.filepath))
     folders: set[Path] = set()
     results: dict[str, dict[str, Any]] = {}
@@ -255,7 +256,7 @@ def attach_all(garments: list[bpy.types.Object], save_as: Path | None, restore: 
         folders.add(clip.new_clip_path(obj).parent)
     restore()
     target = (save_as or Path(bpy.data.filepath)).absolute()
-    try:  # Blender itself writes to a file beside it and renames that
+    try:  # Blender itself writes a temporary file and renames it
         bpy.ops.wm.save_as_mainfile(filepath=str(target), copy=save_as is not None, check_existing=False)
     except RuntimeError as error:
         raise Refused(f"{target} cannot be saved: {str(error).strip()}", FAILED) from error
@@ -265,7 +266,7 @@ def attach_all(garments: list[bpy.types.Object], save_as: Path | None, restore: 
 
 
 def _note_attached(target: Path, counts_as: bytes, folders: list[Path], complain: Say) -> None:
-    """So that the clips are still those of the file, which has other bytes now."""
+    """Write notes so that the clips still belong to the saved file, whose bytes have changed."""
     saved = source.content(target)
     for folder in folders:
         try:

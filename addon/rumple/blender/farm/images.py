@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Textures of numbers, written by Blender and read back: what is on the disk is what was to be written."""
+"""Writes textures of numbers with Blender, and reads them back to verify them."""
 from __future__ import annotations
 
 from pathlib import Path
@@ -13,13 +13,14 @@ SUFFIXES = {"PNG": ".png", "OPEN_EXR": ".exr"}  # 16 bits; 32-bit floats, ZIP wi
 
 
 def write(path: Path, picture: np.ndarray, kind: str) -> None:
-    """picture: (height, width, 3) float32, the upper row first; for PNG steps of 1/65535 in 0..1. kind: of SUFFIXES.
-    Raises ClipFault. Memory: 48 bytes a texel."""
+    """Write a texture. picture: (height, width, 3) float32, the upper row first; for PNG, multiples of 1/65535 in 0..1.
+    kind: a key of SUFFIXES. Raises ClipFault. Memory: 48 bytes per texel."""
     height, width = picture.shape[:2]
     values = np.ones((height, width, 4), np.float32)
     values[..., :3] = picture[::-1]
     image = bpy.data.images.new("Rumple Texture", width, height, alpha=False, float_buffer=True)
-    scene = bpy.data.scenes.new("Rumple Save")  # its settings say how: the artist's scene keeps its own
+    # its settings define the format, so the artist's scene keeps its own settings
+    scene = bpy.data.scenes.new("Rumple Save")
     try:
         image.colorspace_settings.name = "Non-Color"
         image.pixels.foreach_set(values.ravel())
@@ -40,7 +41,7 @@ def write(path: Path, picture: np.ndarray, kind: str) -> None:
 
 
 def _holds(path: Path, values: np.ndarray) -> bool:
-    """Whether all of it is there: Blender is silent about a disk that is full."""
+    """Whether the file has all values. Blender does not report a full disk."""
     try:
         image = bpy.data.images.load(str(path))
     except RuntimeError:

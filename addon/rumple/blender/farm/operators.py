@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The buttons that hand the baked clip to other programs: bpy.ops.object.rumple_publish(), rumple_vat()."""
+"""The operators that export the baked clip for other programs: bpy.ops.object.rumple_publish(), rumple_vat()."""
 from __future__ import annotations
 
 from pathlib import Path
@@ -17,7 +17,7 @@ from . import publish, shown, vat
 
 
 class _OfClip(ui_base.OnWrinkled):
-    """Mixed into an Operator: export() into the folder `publish` beside the file."""
+    """Mixin for operators: calls export() with the folder `publish` beside the blend file."""
 
     bl_options = {"REGISTER"}
     poll_message_set: Any  # the Operator's

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A clip in pieces: each baked as a clip is, locked and resumed; and their joining."""
+"""Bakes clips in pieces, each with its own lock and checkpoints, and joins them."""
 from __future__ import annotations
 
 import hashlib
@@ -22,7 +22,7 @@ from .bake import Baked, Options, Say
 
 
 def kind(obj: bpy.types.Object) -> str:
-    """How it may be cut, once what it rests on has its clip: "independent", "pre-roll", or empty."""
+    """How a clip may be cut, if the objects under the garment have clips: "independent", "pre-roll", or empty: not."""
     if clip_status.is_simulated_in_front(obj) or path_curves.of(obj):
         return ""
     if properties.settings_of(obj, bpy.context.scene).stateless:
@@ -35,7 +35,7 @@ def _attributes(obj: bpy.types.Object) -> tuple[Attribute, ...]:
 
 
 def pre_roll_of(obj: bpy.types.Object, asked: int) -> int:
-    """Frames that are solved in front of each of its pieces: of independent ones none. Raises BakeError."""
+    """Number of frames that are solved before each piece; 0 if frames are independent. Raises BakeError."""
     name = obj.name
     if path_curves.of(obj):
         raise BakeError(f"{name}: its curves are baked beside it: bake it whole, not in pieces")
@@ -55,20 +55,21 @@ def pre_roll_of(obj: bpy.types.Object, asked: int) -> int:
 
 
 def keep_to(playback: Playback, start: int, first: int, last: int, pre_roll: int) -> None:
-    """Let a playback solve one piece of a clip that begins at `start`: behind no frame that is not played for all of
-    it."""
+    """Make a playback solve one piece of a clip that begins at `start`. Frames before the first frame of the whole
+    clip's playback are never solved."""
     begin = min(units.first_frame(playback.obj, playback.scene), start)
     played = first == start and pre_roll > 0
     playback.keep_to(first, last, range(begin if played else max(first - pre_roll, begin), first))
 
 
 def _digest(piece: Piece, pre_roll: int, digest: str) -> str:
-    """Of what a piece is baked from. Pieces are joined of one Blender and one Rumple alone."""
+    """Digest of the inputs of a piece. It includes the versions of Blender and Rumple, so only pieces of the same
+    versions are joined."""
     return hashlib.blake2b(repr((digest, source.made_by(), piece, pre_roll)).encode(), digest_size=16).hexdigest()
 
 
 class PieceBake(bake.FarmBake):
-    """Of one piece. It is not shown."""
+    """The bake of one piece, which is not shown."""
 
     def __init__(self, context: bpy.types.Context, obj: bpy.types.Object, piece: Piece, pre_roll: int, digest: str,
                  options: Options) -> None:
@@ -111,7 +112,7 @@ def _frames(obj: bpy.types.Object, piece: Piece) -> tuple[int, int, int]:
 
 
 def _whole(obj: bpy.types.Object, digest: str, cut: list[Piece], pre_roll: int) -> Baked | None:
-    """The clip, where it is there already, played through or of the same pieces."""
+    """The clip, if it already exists and was baked in one piece or of the same pieces."""
     manifest, path = bake.whole_clip(obj, digest), clip.new_clip_path(obj)
     if manifest is None or (manifest.seams and (manifest.pre_roll, manifest.seams) != (
             pre_roll, [piece.first for piece in cut[1:]])):
@@ -121,7 +122,7 @@ def _whole(obj: bpy.types.Object, digest: str, cut: list[Piece], pre_roll: int) 
 
 
 def bake_piece(context: bpy.types.Context, obj: bpy.types.Object, files: str, options: Options, say: Say) -> Baked:
-    """Raises BakeError, or ClipFault (Held: another worker has it)."""
+    """Bake one piece. Raises BakeError, or ClipFault (Held: another worker has it)."""
     assert options.piece is not None
     pre_roll, started = pre_roll_of(obj, options.pre_roll), time.perf_counter()
     number, count = options.piece
@@ -145,7 +146,7 @@ def bake_piece(context: bpy.types.Context, obj: bpy.types.Object, files: str, op
 
 # ---------------------------------------------------------------- joining
 def join(obj: bpy.types.Object, files: str, options: Options, say: Say) -> Baked:
-    """The clip of its pieces, which are then removed. Raises BakeError, or ClipFault (Held: another worker has it)."""
+    """Join the pieces into the clip, and remove them. Raises BakeError, or ClipFault (Held: another worker has it)."""
     pre_roll, path, started = pre_roll_of(obj, options.pre_roll), clip.new_clip_path(obj), time.perf_counter()
     cut = _cut(obj, options.join)
     lock = Lock(path, options.oldest_lock)
@@ -180,7 +181,7 @@ def _there(obj: bpy.types.Object, piece: Piece, path: Path, digest: str) -> tupl
 
 def _compare(obj: bpy.types.Object, pieces: list[tuple[Path, Manifest]], pre_roll: int, tolerance: float,
              say: Say) -> None:
-    """The frames that two pieces have. Raises BakeError."""
+    """Compare the common frames of neighbouring pieces. Raises BakeError."""
     found = clip_pieces.seams(pieces)
     metres = units.most_metres_per_unit(obj, bpy.context.scene)
     for seam in found:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What of a file can be baked, in which order, and what it takes on the disk."""
+"""Which garments of a file can be baked, in which order, and how much disk space they need."""
 from __future__ import annotations
 
 import graphlib
@@ -11,23 +11,24 @@ from ...core import clip_file
 from .. import compat
 from ..objects import bodies, modifier
 
-_MANIFEST_BYTES = 600  # about, for a sample
+_MANIFEST_BYTES = 600  # approximately, per sample
 
 
 def garments(scene: bpy.types.Scene) -> list[bpy.types.Object]:
-    """The wrinkled objects of a scene that can be written, each behind those that it rests on."""
+    """The editable wrinkled objects of a scene, each after the objects that it depends on."""
     found = [obj for obj, _ in bodies.in_order(list(modifier.wrinkled_objects()))
              if compat.holds(scene.objects, obj) and compat.is_editable(obj)]
     graph = {obj.name: needs(obj) for obj in found}
     try:
         order = list(graphlib.TopologicalSorter(graph).static_order())
     except graphlib.CycleError:
-        return found  # each says by itself what is wrong with it
+        return found  # each object reports its own error
     return sorted(found, key=lambda obj: order.index(obj.name))
 
 
 def needs(obj: bpy.types.Object) -> list[str]:
-    """The wrinkled objects that one rests on or follows: what is baked before it. Linked ones are baked elsewhere."""
+    """The wrinkled objects that must be baked before: those under it, and the one that it follows. Linked objects are
+    baked in their own files."""
     others = [] if bodies.refusal(obj) else bodies.of(obj)
     follows = modifier.depends_on_wrinkled(obj)
     if follows is not None and follows not in others:
@@ -36,12 +37,12 @@ def needs(obj: bpy.types.Object) -> list[str]:
 
 
 def as_text(scene: bpy.types.Scene) -> str:
-    """Names of garments and what each rests on, in order, for the forms of queues."""
+    """Names of garments and of the objects that each needs, in order, for queues."""
     return json.dumps([dict(name=obj.name, needs=needs(obj)) for obj in garments(scene)])
 
 
 def bytes_of(obj: bpy.types.Object) -> int:
-    """About what its clip takes, by the shown mesh that the file has; 0 where it has none yet."""
+    """The approximate size of its clip, from the shown mesh in the file; 0 if there is none yet."""
     nodes_mod = modifier.find(obj)
     output = modifier.output_object(nodes_mod)
     if output is None or output.type != "MESH":

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A garment solved in many poses of its rig, for machine learning. core/pose_set.py has the files.
+"""Solves a garment in many poses of its rig, for machine learning. core/pose_set.py writes the files.
 
-The open file is changed on the way and not meant to be saved: its rig is let go, and every pose is solved by itself.
+The open file is changed and must not be saved: the animation of its rig is removed, and every pose is solved
+independently.
 """
 from __future__ import annotations
 
@@ -28,7 +29,7 @@ Say = Callable[[str], None]
 
 @dataclass
 class Options:
-    """As the command line has them. frames: of the clip; None: those of the scene."""
+    """The options of the command line. frames: of the clip; None: those of the scene."""
 
     count: int
     seed: int = 0
@@ -40,7 +41,7 @@ class Options:
 
 @dataclass
 class Done:
-    """What became of it. held: blocks that other workers have."""
+    """The result. held: number of blocks that other workers have."""
 
     poses: int
     seconds: float
@@ -50,10 +51,10 @@ class Done:
 
 
 class Solver:
-    """Poses of one garment, in any order. close() when it is done."""
+    """Solves poses of one garment, in any order. Call close() at the end."""
 
     def __init__(self, context: bpy.types.Context, obj: bpy.types.Object, files: str, options: Options) -> None:
-        """Raises BakeError."""
+        """Prepare the garment. Raises BakeError."""
         self.context, self.obj, self.options = context, obj, options
         scene = context.scene
         self.first, self.last = options.frames or (scene.frame_start, scene.frame_end)
@@ -89,7 +90,7 @@ class Solver:
                             f"{self.last}: set limits of rotations, or give frames that move")
 
     def solve(self, pose: int) -> dict[str, Any]:
-        """The arrays of one. Raises BakeError."""
+        """The arrays of one pose. Raises BakeError."""
         if self.options.from_clip:
             at = self.first + float(pose_set.shares(self.set.seed, pose, 1)[0]) * (self.last - self.first)
             frame, part = divmod(at, 1.0)
@@ -107,7 +108,7 @@ class Solver:
                     coarse=coarse, fine=result.positions)
 
     def mesh(self) -> dict[str, np.ndarray]:
-        """What does not vary."""
+        """The constant arrays: meshes and bones at rest."""
         coarse, fine = incoming_mesh.of(self.obj), runtimes.of(self.obj).evaluator
         return dict(coarse_rest=compat.positions(coarse), coarse_sizes=shown.face_sizes(coarse),
                     coarse_corners=compat.corner_vertices(coarse),
@@ -121,7 +122,7 @@ class Solver:
 
 
 def _refuse(obj: bpy.types.Object, scene: bpy.types.Scene) -> None:
-    """What is not solved, or depends on more than the pose."""
+    """Raise BakeError for garments that are not solved, or that depend on more than the pose."""
     if not modifier.find(obj).show_viewport:
         raise BakeError(f"{obj.name}: its modifier {modifier.find(obj).name} is off in the viewport, so nothing is "
                         "solved: switch it on")
@@ -137,7 +138,7 @@ def _refuse(obj: bpy.types.Object, scene: bpy.types.Scene) -> None:
 
 # ---------------------------------------------------------------- all of them
 def make(solver: Solver, folder: Path, say: Say) -> Done:
-    """Every block that is not there and that nobody else has. Raises BakeError, ClipFault and bake.Ended."""
+    """Make every missing block that no other worker has. Raises BakeError, ClipFault and bake.Ended."""
     wanted, started = solver.set, time.perf_counter()
     pose_set.begin(folder, wanted, solver.mesh(), solver.options.resume)
     done = Done(0, 0.0, 0, 0)
@@ -151,7 +152,8 @@ def make(solver: Solver, folder: Path, say: Say) -> Done:
             done.held += 1
             continue
         try:
-            if not path.exists() or pose_set.read_block(folder, wanted, block) is None:  # made before it was locked
+            # else another worker made it before we got the lock
+            if not path.exists() or pose_set.read_block(folder, wanted, block) is None:
                 arrays = _block(solver, block, lock)
                 lock.check()
                 pose_set.write_arrays(path, arrays)
@@ -182,8 +184,8 @@ def _block(solver: Solver, block: int, lock: Lock) -> dict[str, np.ndarray]:
 
 
 def first_different(solver: Solver, folder: Path, most: int) -> tuple[int, int | None]:
-    """(compared, the first pose that differs). most: how many, spread over the set; 0: all. Raises BakeError and
-    ClipFault."""
+    """(number of compared poses, the first pose that differs). most: how many to compare, spread over the set; 0: all.
+    Raises BakeError and ClipFault."""
     wanted = solver.set
     count = min(most or wanted.count, wanted.count)
     compared, block, arrays = 0, -1, None

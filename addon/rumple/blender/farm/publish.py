@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The baked garment out of Blender: USD."""
+"""Exports the baked garment as USD."""
 from __future__ import annotations
 
 from pathlib import Path
@@ -16,7 +16,7 @@ from . import shown
 
 def publish(context: bpy.types.Context, obj: bpy.types.Object, manifest: Manifest, folder: Path, scheme: str,
             with_attributes: bool) -> shown.Exported:
-    """manifest: of the clip that it shows. Raises BakeError and ClipFault."""
+    """Export the shown clip. manifest: of this clip. Raises BakeError and ClipFault."""
     path = folder / f"{shown.stem(obj, manifest)}.usda"
     attributes = modifier.system(modifier.find(obj)).wrinkles.ATTRIBUTES if with_attributes else ()
     writer: usd_text.StageWriter | None = None
@@ -45,7 +45,7 @@ def _stage(scene: bpy.types.Scene, obj: bpy.types.Object, mesh: bpy.types.Mesh, 
 
 
 def _normals(mesh: bpy.types.Mesh) -> np.ndarray | None:
-    """Of smooth meshes."""
+    """The normals of a smooth mesh; None for other meshes."""
     smooth = np.empty(len(mesh.polygons), bool)
     mesh.polygons.foreach_get("use_smooth", smooth)
     return shown.normals(mesh) if smooth.all() else None

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The rig of a garment in poses that are drawn: ranges of its joints, and setting and reading a pose."""
+"""Random poses of a garment's rig: ranges of its joints, and functions that set and read a pose."""
 from __future__ import annotations
 
 from typing import Callable
@@ -15,7 +15,7 @@ AXES = "xyz"
 
 
 def armatures(obj: bpy.types.Object) -> list[bpy.types.Object]:
-    """Those that move a garment and what it is worn over."""
+    """The armatures that move a garment and its bodies."""
     found = []
     for one in (obj, *bodies.of(obj)):
         moved_by = [modifier.object for modifier in one.modifiers if modifier.type == "ARMATURE"] + [one.parent]
@@ -26,14 +26,14 @@ def armatures(obj: bpy.types.Object) -> list[bpy.types.Object]:
 
 
 def bones(rigs: list[bpy.types.Object]) -> list[bpy.types.PoseBone]:
-    """All, by armature, parents first."""
+    """All bones, by armature, parents first."""
     return [bone for rig in rigs for bone in rig.pose.bones]
 
 
 # ---------------------------------------------------------------- ranges
 def ranges(rigs: list[bpy.types.Object], frames: range, visit: Callable[[int], object],
            widen: float) -> list[BoneRange]:
-    """Of every bone. visit: shows a frame. What has no limits of its own has the range of the clip, widened."""
+    """The range of every bone. visit: evaluates a frame. Bones without limits get their range in the clip, widened."""
     seen: list[list[tuple[float, ...]]] = [[] for _ in bones(rigs)]
     for frame in frames:
         visit(frame)
@@ -61,7 +61,7 @@ def _range(bone: bpy.types.PoseBone, angles: np.ndarray, widen: float) -> BoneRa
 
 
 def _limits(bone: bpy.types.PoseBone, axis: str) -> tuple[float, float, str] | None:
-    """Of a Limit Rotation constraint, else of inverse kinematics."""
+    """The limits from a Limit Rotation constraint, otherwise from inverse kinematics."""
     for constraint in bone.constraints:
         if (constraint.type == "LIMIT_ROTATION" and not constraint.mute and constraint.owner_space == "LOCAL"
                 and getattr(constraint, f"use_limit_{axis}")):
@@ -75,7 +75,7 @@ def _limits(bone: bpy.types.PoseBone, axis: str) -> tuple[float, float, str] | N
 
 # ---------------------------------------------------------------- poses
 def let_go(rigs: list[bpy.types.Object]) -> None:
-    """No animation sets the bones any more: they stay where they are. For a file that is not saved."""
+    """Remove all animation of the bones, so that they keep their pose. Only for a file that is not saved."""
     for rig in rigs:
         if rig.animation_data is not None:
             rig.animation_data.action = None
@@ -83,7 +83,8 @@ def let_go(rigs: list[bpy.types.Object]) -> None:
 
 
 def put(rigs: list[bpy.types.Object], ranges_: list[BoneRange], drawn: np.ndarray) -> None:
-    """drawn: (bones, 3) in [0, 1). Bones without any range keep their pose; places and scales stay."""
+    """Set a random pose. drawn: (bones, 3) in [0, 1). Bones without a range keep their pose. Locations and scales do
+    not change."""
     for bone, its, shares in zip(bones(rigs), ranges_, drawn):
         if set(its.source) == {"none"}:
             continue
@@ -98,14 +99,14 @@ def put(rigs: list[bpy.types.Object], ranges_: list[BoneRange], drawn: np.ndarra
 
 
 def read(obj: bpy.types.Object, rigs: list[bpy.types.Object], depsgraph: bpy.types.Depsgraph) -> np.ndarray:
-    """(bones, 4, 4) float32: from the bones' own space to that of the garment, after constraints."""
+    """(bones, 4, 4) float32: from the bones' own space to the garment's space, after constraints."""
     to_object = obj.evaluated_get(depsgraph).matrix_world.inverted_safe()
     return _matrices([to_object @ rig.evaluated_get(depsgraph).matrix_world @ bone.matrix
                       for rig in rigs for bone in rig.evaluated_get(depsgraph).pose.bones])
 
 
 def at_rest(rigs: list[bpy.types.Object]) -> np.ndarray:
-    """(bones, 4, 4) float32: from the bones' own space to that of their armature, at rest."""
+    """(bones, 4, 4) float32: from the bones' own space to their armature's space, at rest."""
     return _matrices([bone.bone.matrix_local for bone in bones(rigs)])
 
 

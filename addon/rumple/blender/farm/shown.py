@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The frames of a baked garment, as all its modifiers show it: what is handed to other programs."""
+"""The frames of a baked garment after all its modifiers, for exporters."""
 from __future__ import annotations
 
 from dataclasses import dataclass, field
@@ -20,19 +20,20 @@ from . import bake, source
 
 @dataclass
 class Exported:
-    """One garment: a file, or a folder of them."""
+    """The export of one garment: a file or a folder of files."""
 
     path: Path
     frames: int
     vertices: int
     bytes: int
     note: str = ""
-    more: dict[str, Any] = field(default_factory=dict)  # for machines
+    more: dict[str, Any] = field(default_factory=dict)  # further results for programs
 
 
 @dataclass
 class Frame:
-    """points: (n, 3) float32, object space. world: (4, 4), column vectors. mesh: until the next frame only."""
+    """One frame. points: (n, 3) float32, object space. world: (4, 4), for column vectors. mesh: only valid until the
+    next frame."""
 
     number: int
     mesh: bpy.types.Mesh
@@ -41,7 +42,7 @@ class Frame:
 
 
 def whole_clip(obj: bpy.types.Object, files: str) -> Manifest:
-    """The clip at its place, now shown; else the one that the file shows. Raises BakeError."""
+    """The clip at the object's place, which is then shown; otherwise the clip that the file shows. Raises BakeError."""
     manifest = bake.whole_clip(obj, source.of_garment(obj, files), any_frames=True)
     if manifest is not None:
         bake.show(obj, manifest)
@@ -50,7 +51,7 @@ def whole_clip(obj: bpy.types.Object, files: str) -> Manifest:
 
 
 def clip_shown(obj: bpy.types.Object) -> Manifest:
-    """That which the file shows. Raises BakeError."""
+    """The clip that the file shows. Raises BakeError."""
     clip = clip_status.clip_path(obj) if modifier.is_baked(modifier.find(obj)) else None
     try:
         manifest = clip_file.read_manifest(clip) if clip is not None else None
@@ -84,19 +85,19 @@ def frames(context: bpy.types.Context, obj: bpy.types.Object, manifest: Manifest
 
 
 def stem(obj: bpy.types.Object, manifest: Manifest) -> str:
-    """How its files are named: file, object, version by what it was made from, frames."""
+    """The name of exported files without suffix: file, object, digest of the source, frames."""
     file = Path(bpy.data.filepath).stem
     return usd_text.stem(file, name_in_files(obj), manifest.source, manifest.start, manifest.end)
 
 
 def name_in_files(obj: bpy.types.Object) -> str:
-    """A part of a file name that no other garment of this file has."""
+    """A name for file names that no other garment of this file has."""
     others = [other.name for other, _nodes_mod in modifier.wrinkled_objects() if other != obj]
     return clip_folder.readable_beside(obj.name, others, obj.library.filepath if obj.library is not None else "")
 
 
 def about(obj: bpy.types.Object, manifest: Manifest) -> dict[str, str]:
-    """Where it came from."""
+    """The origin of an export."""
     return dict(file=Path(bpy.data.filepath).name, object=obj.name, source=manifest.source,
                 frames=f"{manifest.start}-{manifest.end}", made_by=source.made_by())
 
@@ -107,7 +108,7 @@ def face_sizes(mesh: bpy.types.Mesh) -> np.ndarray:
 
 
 def normals(mesh: bpy.types.Mesh) -> np.ndarray:
-    """Of its points, (n, 3) float32."""
+    """Normals of the points, (n, 3) float32."""
     values = np.empty(3 * len(mesh.vertices), np.float32)
     mesh.vertices.foreach_get("normal", values)
     return values.reshape(-1, 3)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a clip is baked from, as digests: a clip, or a part of one, is used again only where all of it is the same."""
+"""Digests of everything that a clip is baked from. A clip, or a part of it, is only reused if all of it is equal."""
 from __future__ import annotations
 
 import glob
@@ -22,9 +22,9 @@ _UNREADABLE = b"none"
 
 
 def of_files() -> str:
-    """Of the saved blend file and those linked from it by what they hold, of caches by size and time. Where they lie
-    does not count, nor for their order: drives and slashes differ from system to system. Drivers that were not run
-    leave the rig elsewhere."""
+    """Digest of the contents of the saved blend file and its linked files, and of the sizes and times of caches. Paths
+    do not count, because drives and slashes differ between systems. It also counts whether scripts were run, because
+    without its drivers the rig has another pose."""
     libraries = sorted(of_file(Path(bpy.path.abspath(library.filepath))) for library in bpy.data.libraries)
     parts = [of_file(Path(bpy.data.filepath)), *libraries, *sorted(map(_size_and_time, set(caches())))]
     if bpy.app.autoexec_fail:
@@ -33,13 +33,14 @@ def of_files() -> str:
 
 
 def of_file(file: Path) -> bytes:
-    """Of what it holds. What attach() saved, and nobody since, counts as what the clips were baked from."""
+    """Digest of a file's content. A file that attach() saved, and that was not saved since, counts as the file that the
+    clips were baked from."""
     found = content(file)
     return found if found == _UNREADABLE else attached_files.counts_as(clip_folders(), found)
 
 
 def clip_folders() -> list[Path]:
-    """Where the clips of the open file belong."""
+    """The folders for clips of the open file."""
     places = (clip_place.of(obj) for obj, _ in modifier.wrinkled_objects())
     return sorted({place.parent for place in places if place is not None})
 
@@ -53,7 +54,7 @@ def _size_and_time(cache: Path) -> bytes:
 
 
 def of_garment(obj: bpy.types.Object, files: str) -> str:
-    """files: of_files(). The clips that it rests on count."""
+    """Digest for one garment. files: of_files(). The clips of the objects under it count too."""
     digest = hashlib.blake2b(files.encode(), digest_size=16)
     for name in plan.needs(obj):
         digest.update(clip_digest(bpy.data.objects[name]))
@@ -61,7 +62,7 @@ def of_garment(obj: bpy.types.Object, files: str) -> str:
 
 
 def clip_digest(obj: bpy.types.Object) -> bytes:
-    """Of what it shows; of one that is not baked: nothing."""
+    """Digest of the clip that an object shows; a constant if it is not baked."""
     clip = clip_status.clip_path(obj) if modifier.plays_clip(modifier.find(obj)) else None
     if clip is None:
         return b"live"
@@ -73,12 +74,12 @@ def clip_digest(obj: bpy.types.Object) -> bytes:
 
 
 def made_by() -> str:
-    """Whose bits are the same."""
+    """Versions of Rumple and Blender: results of equal versions have equal bits."""
     return f"Rumple {kernels.__version__}, Blender {bpy.app.version_string}"
 
 
 def caches() -> Iterator[Path]:
-    """Files that animate or move a mesh: not the clips of wrinkles."""
+    """Files that animate or move a mesh, without the clips of wrinkles."""
     for cache in bpy.data.cache_files:
         yield Path(bpy.path.abspath(cache.filepath, library=cache.library))
     for image in _images_that_move():
@@ -93,7 +94,8 @@ def caches() -> Iterator[Path]:
 
 
 def _images_that_move() -> Iterator[bpy.types.Image]:
-    """Those of textures, which modifiers and force fields have, of geometry nodes and of their modifiers."""
+    """Images that can move a mesh: in textures of modifiers and force fields, in geometry nodes and in inputs of their
+    modifiers."""
     users = bpy.data.user_map(key_types={"IMAGE", "TEXTURE"})
     given = {value for obj in bpy.data.objects for modifier_ in obj.modifiers if modifier_.type == "NODES"
              for value in modifier_inputs.values(modifier_) if isinstance(value, bpy.types.Image)}
@@ -107,7 +109,7 @@ def _images_that_move() -> Iterator[bpy.types.Image]:
 
 
 def _files_of(image: bpy.types.Image) -> Iterator[Path]:
-    """All of a sequence, and all tiles."""
+    """All files of an image: of a sequence, or all tiles."""
     if image.packed_file is not None or not image.filepath or image.source in ("GENERATED", "VIEWER"):
         return
     path = Path(bpy.path.abspath(image.filepath, library=image.library))
@@ -120,8 +122,8 @@ def _files_of(image: bpy.types.Image) -> Iterator[Path]:
 
 
 def _point_files(points: bpy.types.PointCache, library: bpy.types.Library | None) -> Iterator[Path]:
-    """Of a simulation: a folder that was chosen, or that of the blend file. One that is not baked is written by
-    playing."""
+    """The cache files of a simulation, in a chosen folder or in that of the blend file. Caches that are not baked do
+    not count, because playback writes them."""
     if points.use_external and points.filepath:
         folder = Path(bpy.path.abspath(points.filepath, library=library))
     elif points.use_external or points.use_disk_cache and points.is_baked:
@@ -133,7 +135,7 @@ def _point_files(points: bpy.types.PointCache, library: bpy.types.Library | None
 
 
 def content(file: Path) -> bytes:
-    """Digest of its bytes; _UNREADABLE where it has none."""
+    """Digest of a file's bytes; _UNREADABLE if it cannot be read."""
     digest = hashlib.blake2b(digest_size=16)
     try:
         with open(file, "rb") as opened:

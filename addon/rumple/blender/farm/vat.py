@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The baked garment for engines: vertex animation textures and the mesh that plays them. core/vat.py has the layout."""
+"""Exports the baked garment as vertex animation textures and a mesh for game engines. core/vat.py has the layout."""
 from __future__ import annotations
 
 from dataclasses import dataclass
@@ -23,19 +23,19 @@ KINDS = {"png": ("PNG",), "exr": ("OPEN_EXR",), "both": ("PNG", "OPEN_EXR")}
 
 @dataclass
 class _Clip:
-    """points, normals: (frames, n, 3) float32, as seen from where the object stands at the first frame."""
+    """A whole clip. points, normals: (frames, n, 3) float32, in the object's space at the first frame."""
 
     points: np.ndarray
     normals: np.ndarray
-    mesh: bpy.types.Mesh  # a copy: the first frame, with the second UV map
+    mesh: bpy.types.Mesh  # a copy of the first frame, with the second UV map
     world: np.ndarray
     layout: Layout
 
 
 def export(context: bpy.types.Context, obj: bpy.types.Object, manifest: Manifest, folder: Path,
            kind: str, in_place: bool) -> shown.Exported:
-    """manifest: of the clip that it shows. kind: of KINDS. in_place: without the way of the whole. Raises BakeError and
-    ClipFault. Memory: 24 bytes for each point and frame, and 60 for each texel."""
+    """Export the shown clip. manifest: of this clip. kind: a key of KINDS. in_place: without the motion of the whole
+    garment. Raises BakeError and ClipFault. Memory: 24 bytes for each point and frame, and 60 for each texel."""
     if not hasattr(bpy.types, "EXPORT_SCENE_OT_gltf"):
         raise BakeError(f"{obj.name}: Blender's glTF exporter is switched off: enable the add-on glTF 2.0 format")
     path = folder / f"{shown.stem(obj, manifest)}_vat"
@@ -67,7 +67,7 @@ def export(context: bpy.types.Context, obj: bpy.types.Object, manifest: Manifest
 
 
 def _note(layout: Layout, metres: float) -> str:
-    """metres: the largest error."""
+    """A note for the report. metres: the largest error."""
     advice = " (much for a garment: take OpenEXR, or fewer frames)" if metres > TOO_FAR else ""
     return f", {layout.width} x {layout.height} texels, at most {1e3 * metres:.2g} mm off{advice}"
 
@@ -91,7 +91,7 @@ def _read(context: bpy.types.Context, obj: bpy.types.Object, manifest: Manifest,
 
 
 def _first(obj: bpy.types.Object, frame: shown.Frame, layout: Layout) -> bpy.types.Mesh:
-    """The mesh that is shown at the first frame: its faces, its UV map and, always second, that of the texels."""
+    """The shown mesh at the first frame: its faces, its UV map and, always second, the UV map of the texels."""
     sizes, corners = shown.face_sizes(frame.mesh), compat.corner_vertices(frame.mesh)
     maps = list(shown.uv_maps(frame.mesh).values()) or [np.zeros((len(corners), 2), np.float32)]
     mesh = bpy.data.meshes.new(f"{obj.name}_mesh")
@@ -106,7 +106,7 @@ def _first(obj: bpy.types.Object, frame: shown.Frame, layout: Layout) -> bpy.typ
 
 def _write(folder: Path, obj: bpy.types.Object, clip: _Clip, kind: str, about: dict[str, Any],
            scene: bpy.types.Scene) -> float:
-    """Returns the largest error of a position, object units."""
+    """Write the textures. Returns the largest error of a position, object units."""
     name, layout = clip_folder.readable(obj.name), clip.layout
     offsets = clip.points - clip.points[0]
     remap = Remap.of(offsets)
@@ -125,7 +125,7 @@ def _write(folder: Path, obj: bpy.types.Object, clip: _Clip, kind: str, about: d
 
 
 def _write_mesh(path: Path, clip: _Clip) -> None:
-    """By Blender's exporter, from a scene of its own: the artist's selection stays."""
+    """Write the mesh with Blender's exporter, from a separate scene, so that the artist's selection does not change."""
     scene = bpy.data.scenes.new("Rumple Export")
     obj = bpy.data.objects.new(path.stem, clip.mesh)
     window = bpy.context.window
