@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Blender's application handlers: thin, persistent, and they never throw."""
+"""Blender's application handlers. They are persistent, call other modules, and never raise."""
 from __future__ import annotations
 
 import functools
@@ -17,7 +17,7 @@ from .objects import (bodies, building, changes, kept_lists, made_collections, m
                       undo_references)
 
 
-_PATIENCE = 30.0  # seconds that a render waits for what was edited just before
+_PATIENCE = 30.0  # seconds that a render waits for rebuilds after recent edits
 
 _RUNTIMES = (runtimes, maps_runtimes)
 
@@ -30,7 +30,7 @@ def _forget_all() -> None:
 
 
 def _guarded(function: Callable[..., None]) -> Callable[..., None]:
-    """What it throws becomes a line on the console."""
+    """A function that prints exceptions on the console instead of raising them."""
     @functools.wraps(function)
     def guarded(*arguments: Any) -> None:
         with messages.console_errors(function.__name__):
@@ -39,7 +39,7 @@ def _guarded(function: Callable[..., None]) -> Callable[..., None]:
 
 
 def _handler(function: Callable[..., None]) -> Callable[..., None]:
-    """It never throws, and stays when another file is opened."""
+    """A handler that never raises, and stays registered when another file is opened."""
     return persistent(_guarded(function))
 
 
@@ -64,9 +64,9 @@ def _on_update(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
 def _follow(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
     kept_lists.forget_all()
     scheduler.note_thread()
-    # All updates are read before anything is made again: the depsgraph goes on listing the copy of a mesh that was
-    # removed since, and what it is the copy of is freed memory then.
-    for system in (changes, maps_changes) if scheduler.in_main_thread() else ():  # a job's depsgraph updates everything
+    # All updates are read before anything is rebuilt. If a rebuild removes a mesh, the depsgraph still lists its
+    # evaluated copy, whose original is then freed memory. the depsgraph of a job reports everything as updated
+    for system in (changes, maps_changes) if scheduler.in_main_thread() else ():
         with messages.console_errors("changes"):
             system.note_updates(depsgraph)
     for system in (solve, maps_solve):
@@ -76,18 +76,18 @@ def _follow(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
 
 @_handler
 def _before_load(*_arguments: object) -> None:
-    """While a file is read handlers are called, and modifiers of the former one are no more."""
+    """While a file is read, handlers are called, but modifiers of the former file no longer exist."""
     scheduler.note_file()
     kept_lists.forget_all()
 
 
 @_handler
 def _on_load(*_arguments: object) -> None:
-    """Another file: nothing of the former one counts. Structural work is allowed here."""
+    """Forget everything about the former file. Structural work is allowed here."""
     scheduler.set_rendering(False)
     kept_lists.forget_all()
     _forget_all()
-    first_pass.read_only(None)  # a bake that was under way has ended with its file
+    first_pass.read_only(None)  # a running bake has ended with its file
     scheduler.sync_all()
 
 
@@ -118,8 +118,8 @@ def _on_undo(*_arguments: object) -> None:
 
 
 def _let_timers_work() -> None:
-    """In the thread of an F12 job: the window's timers go on meanwhile, and make what was edited just before. When the
-    render has begun they may not."""
+    """Wait, in the thread of an F12 job, until the window's timers have done the rebuilds after recent edits. They are
+    not allowed to work after the render has begun."""
     ends = time.monotonic() + _PATIENCE
     while scheduler.work_is_due() and time.monotonic() < ends:
         time.sleep(scheduler.POLL)
@@ -127,8 +127,8 @@ def _let_timers_work() -> None:
 
 @_handler
 def _on_render_start(*_arguments: object) -> None:
-    # A script may have changed things since the last update, and the timer had no turn. Not in the thread of an F12
-    # job: the window draws meanwhile, and data-blocks must not come and go under it. What a timer has begun ends first.
+    # A script may have made changes since the last update, and the timer has not run since. The thread of an F12 job
+    # must not rebuild, because the window draws at the same time. The lock waits for a timer that is still working.
     if not scheduler.in_main_thread():
         _let_timers_work()
     with scheduler.LOCK:
@@ -138,12 +138,12 @@ def _on_render_start(*_arguments: object) -> None:
             kept_lists.forget_all()
             clip_status.check_before_render()
         finally:
-            scheduler.set_rendering(True)  # whatever went wrong: without it 4.3 crashes
+            scheduler.set_rendering(True)  # also after an error, because 4.3 crashes without it
 
 
 @_handler
 def _on_render_end(*_arguments: object) -> None:
-    """The output objects hold the last rendered frame: the window needs its own again."""
+    """The output objects have the last rendered frame. Restore the window's frame."""
     with scheduler.LOCK:
         scheduler.set_rendering(False)
         for table in _RUNTIMES:
@@ -163,7 +163,7 @@ def _pairs() -> tuple:
 
 
 def register() -> None:
-    # In this order: Maps look at the wrinkles before them.
+    # The order matters: Maps depend on the other wrinkles.
     scheduler.set_workers(_guarded(rebuild.sync_all), _guarded(maps_rebuild.sync))
     for functions, function in _pairs():
         if function not in functions:

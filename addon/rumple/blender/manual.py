@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Blender's Online Manual for what is ours, and the button beside a message that opens the guide."""
+"""Connects Blender's Online Manual with Rumple's guide, and draws the help button beside a message."""
 from __future__ import annotations
 
 import bpy
@@ -8,12 +8,12 @@ from ..core import guide
 
 
 def _map() -> tuple[str, tuple[tuple[str, str], ...]]:
-    """What Blender asks for: the address before, and what comes after it by a property's or operator's name."""
+    """The map that Blender asks for: the base address, and for each property or operator the rest of the address."""
     return f"{guide.address()}#", guide.places() if guide.address() else ()
 
 
 def draw_more(layout: bpy.types.UILayout, message: str) -> None:
-    """A button that opens the guide where it says what to do about a message; none where it says nothing."""
+    """Draw a button that opens the guide's section about a message, if there is one."""
     anchor = guide.place_of_message(message)
     if anchor and guide.address():
         layout.operator("wm.url_open", text="", icon="QUESTION", emboss=False).url = guide.address(anchor)

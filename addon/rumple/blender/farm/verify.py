@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Solves samples of a clip once more and compares them, bit for bit."""
+"""Verifies a clip: solves samples again and compares them, bit for bit."""
 from __future__ import annotations
 
 import zlib
@@ -20,12 +20,12 @@ from . import pieces
 
 @dataclass
 class Verified:
-    """What was found. frame: the first that differs; None: none does."""
+    """The result of a verification. frame: the first one that differs; None: all are equal."""
 
     compared: int
     frame: float | None = None
-    farthest: float = 0.0  # between points of that frame, object units
-    damaged: bool = False  # the clip does not hold what was baked
+    farthest: float = 0.0  # largest distance of points in this frame, object units
+    damaged: bool = False  # the clip's data does not have its checksum
 
     def in_words(self, name: str) -> str:
         if self.frame is None:
@@ -37,8 +37,8 @@ class Verified:
 
 
 def verify(context: bpy.types.Context, obj: bpy.types.Object, most: int) -> Verified:
-    """most: how many samples, spread over the clip; 0: all. Where frames depend on one another, they are played from
-    the first one all the same. Raises BakeError and ClipFault."""
+    """Verify the clip of an object. most: how many samples to compare, spread over the clip; 0: all. If frames depend
+    on each other, they are still played from the first one. Raises BakeError and ClipFault."""
     path = clip.new_clip_path(obj)
     if not path.is_file():
         raise BakeError(f"{obj.name}: there is no clip {path}: bake first")
@@ -85,7 +85,7 @@ def _solved(playback: Playback, manifest: Manifest, wanted: list[int]) -> Iterat
     for first, last in zip(bounds, bounds[1:] if manifest.seams else bounds[-1:]):
         number = (first - manifest.start) * manifest.samples - 1
         end = number + (last - first) * manifest.samples + (last == manifest.end)
-        if manifest.seams:  # as it was made
+        if manifest.seams:  # play each piece as it was baked
             pieces.keep_to(playback, manifest.start, first, last, manifest.pre_roll)
         if not any(number < sample <= end for sample in wanted):
             continue

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Bake Wrinkle Map: the wrinkles that Rumple itself makes in a reference pose become the map of that pose.
+"""Bake Wrinkle Map: makes the map of a reference pose from the wrinkles of another system in this pose.
 
-bpy.ops.rumple.maps_bake() bakes the active pose, maps_bake(every=True) all of them. A copy of the object gets the
-chosen wrinkles and settles in the pose; Blender's own baker (Cycles, selected to active) writes their normals to the
-coarse mesh's UV map. All of this happens on copies, in a scene of its own: the artist's objects and scene stay as
-they are, but for the image and the slot that gets it.
+bpy.ops.rumple.maps_bake() bakes the active pose, maps_bake(every=True) bakes all poses. A copy of the object gets the
+chosen wrinkles, which are solved in the pose until they settle. Blender's own baker (Cycles, selected to active) writes
+their normals to the coarse mesh's UV map. This works on copies in a separate scene. Only the image and its slot change
+in the artist's file.
 """
 from __future__ import annotations
 
@@ -26,8 +26,8 @@ from ..translation import said
 from . import (bake_apart, changes as maps_changes, export as maps_export, keys as maps_keys, modifier as maps_modifier,
                operators as maps_operators, rig as maps_rig, stored_poses)
 
-SAMPLES = 8  # of the baker, for each texel: wrinkles narrower than a texel are averaged
-SETTLE_ITERATIONS = 100  # from the canonical start: a single picture may take its time
+SAMPLES = 8  # samples per texel, so that wrinkles narrower than a texel are averaged
+SETTLE_ITERATIONS = 100  # from the canonical start: a single frame may take longer
 HIGH_FOLDS = 99.0  # per cent of the points: the others lie in corners of mouth and eyes, where skin meets skin ...
 CAGE_OFFSETS = 2.0  # ... and an automatic cage that stands this many heights outside sees no other skin
 
@@ -35,10 +35,10 @@ STEEPEST = 0.2  # cosine of the steepest slope that a wrinkle can have: 78 degre
 
 
 class MapBake:
-    """Bakes poses one after the other. steps() does the work; close() leaves everything as it was before."""
+    """Bakes poses one after the other. steps() does the work, close() restores the former state."""
 
     def __init__(self, context: bpy.types.Context, obj: bpy.types.Object, poses: list[int]) -> None:
-        """Raises UserError where nothing can be baked."""
+        """Raises UserError if nothing can be baked."""
         self.context, self.obj, self.poses = context, obj, poses
         maps_rig.refuse_without_pose(obj)
         self.armature = obj.find_armature()
@@ -56,7 +56,7 @@ class MapBake:
         return 3 * len(self.poses)
 
     def steps(self) -> Generator[str, None, None]:
-        """Yields before each step what it does. Raises UserError."""
+        """Yields a description before each step. Raises UserError."""
         for number in self.poses:
             pose = self.obj.rumple_maps.poses[number]
             yield f"{pose.name}: settling the wrinkles"
@@ -74,7 +74,7 @@ class MapBake:
             self.done += 1
 
     def take(self, number: int, pixels: np.ndarray) -> bpy.types.Image:
-        """The map of a pose that another Blender has baked. pixels: (4 texels,) float32."""
+        """Store the map of a pose that another Blender has baked. pixels: (4 texels,) float32."""
         pose = self.obj.rumple_maps.poses[number]
         pose.image = image = self._new_image(pose)
         image.pixels.foreach_set(pixels)
@@ -83,11 +83,11 @@ class MapBake:
         return image
 
     def refuse(self, text: str) -> None:
-        """What went wrong there. Raises UserError."""
+        """Raise UserError with the error of the other Blender."""
         raise UserError(text)
 
     def close(self) -> None:
-        """Put the armature back."""
+        """Restore the pose of the armature."""
         for name, basis in self._former:
             self.armature.pose.bones[name].matrix_basis = basis
         maps_changes.maps_changed(self.obj)
@@ -96,14 +96,15 @@ class MapBake:
     # --- the two meshes
     @contextmanager
     def _posed_copies(self, keys: dict[str, float]) -> Iterator[tuple[bpy.types.Object, bpy.types.Object, float]]:
-        """The coarse mesh and the wrinkled one in the present pose and with these values of shape keys, without
-        modifiers; height of the folds."""
+        """The coarse and the wrinkled mesh in the current pose and with these values of shape keys, both without
+        modifiers; and the height of the folds."""
         low = high = None
         coarse, wrinkled = self._plain_copy("low", keys), self._plain_copy("high", keys)
         try:
             self._add_wrinkles(wrinkled)
             low, high = (self._frozen(copy) for copy in (coarse, wrinkled))
-            high.data.polygons.foreach_set("use_smooth", np.ones(len(high.data.polygons), bool))  # no facets of its own
+            # so that facets are not baked
+            high.data.polygons.foreach_set("use_smooth", np.ones(len(high.data.polygons), bool))
             if "rumple_offset" not in high.data.attributes:
                 raise UserError(runtimes.message(wrinkled) or f"{self.obj.name}: its wrinkles do not show in this "
                                 "pose: change the pose, or choose another source")
@@ -117,8 +118,8 @@ class MapBake:
                     _delete(copy)
 
     def _plain_copy(self, suffix: str, keys: dict[str, float]) -> bpy.types.Object:
-        """A copy with the deforming modifiers only, in the artist's scene: its animation and drivers go on, but for
-        those of its shape keys: they stand as stored, whatever drives the artist's."""
+        """A copy with only the deforming modifiers, in the artist's scene. Its animation and drivers stay active,
+        except for its shape keys, which keep the stored values."""
         copy = self.obj.copy()
         copy.data = self.obj.data.copy()
         if keys:
@@ -144,18 +145,18 @@ class MapBake:
             raise UserError(runtimes.message(copy) or f"{self.obj.name}: the wrinkles cannot be made: add them "
                             "by hand, and see what they say")
         settings = properties.group_of(copy)
-        settings.stateless = True  # one pose, without a past
+        settings.stateless = True  # a single pose without frames before it
         if method == "FIELD":
             settings.output = "GEOMETRY"
         elif method == "MESH":
             settings.start_iterations = max(SETTLE_ITERATIONS, settings.start_iterations)
         scheduler.sync_all()
-        for _ in range(2):  # the solve, then its picture
+        for _ in range(2):  # the first update solves, the second one shows the result
             copy.update_tag()
             self.context.view_layer.update()
 
     def _make_skin(self, copy: bpy.types.Object) -> None:
-        """Unless somebody has set what its Wrinkle Mesh is like, or it is a garment."""
+        """Use settings of skin, unless the artist has set up its Wrinkle Mesh, or it is a garment."""
         copy.rumple.method = "MESH"
         settings, scene = properties.group_of(copy), self.context.scene
         untouched = not any(settings.is_property_set(name) for name in properties.fields_of(copy))
@@ -163,7 +164,8 @@ class MapBake:
             properties.apply_values(copy, scene, SKIN_OF_MAPS)
 
     def _frozen(self, copy: bpy.types.Object) -> bpy.types.Object:
-        """In metres, as the baker's lengths are: it takes them for those of its scene, and of the coarse mesh."""
+        """A copy without modifiers, scaled to metres, because the baker's lengths are in the units of its own scene and
+        of the coarse mesh."""
         depsgraph = self.context.evaluated_depsgraph_get()
         mesh = bpy.data.meshes.new_from_object(copy.evaluated_get(depsgraph), preserve_all_data_layers=True,
                                                depsgraph=depsgraph)
@@ -212,7 +214,7 @@ class MapBake:
         return image
 
     def _store(self, image: bpy.types.Image) -> None:
-        """Into the blend file, or as a file where a folder is set."""
+        """Store the image in the blend file, or as a file if a folder is set."""
         settings = self.obj.rumple_maps
         if not settings.bake_folder:
             image.pack()
@@ -230,7 +232,7 @@ def _engines() -> set[str]:
 
 
 def _show_only(low: bpy.types.Object, image: bpy.types.Image) -> bpy.types.Material:
-    """One material for all faces, whose active node is the image: there the baker writes."""
+    """Give all faces one material whose active node is the image. The baker writes to this image."""
     material = bpy.data.materials.new(low.name)
     compat.use_nodes(material)
     texture = material.node_tree.nodes.new("ShaderNodeTexImage")
@@ -242,7 +244,7 @@ def _show_only(low: bpy.types.Object, image: bpy.types.Image) -> bpy.types.Mater
 
 
 def _flatten_strays(image: bpy.types.Image) -> None:
-    """Texels that lean almost sideways saw other skin, where a mesh folds over itself: they become flat."""
+    """Make texels flat whose normals are almost sideways. Their rays hit other skin, where a mesh folds over itself."""
     pixels = np.empty(len(image.pixels), np.float32)
     image.pixels.foreach_get(pixels)
     texels = pixels.reshape(-1, 4)
@@ -310,7 +312,7 @@ class RUMPLE_OT_maps_bake(maps_operators.OnPose, bpy.types.Operator):
         except StopIteration:
             self._end_modal(context)
             return self._finished(self._running)
-        except Exception as error:  # also what nobody foresaw: else Blender goes on to call it
+        except Exception as error:  # any exception: otherwise Blender would continue to call this operator
             self._end_modal(context)
             text = str(error) if isinstance(error, UserError) else messages.unexpected(self._name, error)
             self.report({"ERROR"}, said(text))
@@ -322,7 +324,7 @@ class RUMPLE_OT_maps_bake(maps_operators.OnPose, bpy.types.Operator):
         return {"RUNNING_MODAL"}
 
     def cancel(self, context: bpy.types.Context) -> None:
-        """Another file, or the window is closed."""
+        """Called if another file is opened or the window is closed."""
         self._end_modal(context)
 
     def _begin(self, context: bpy.types.Context) -> MapBake:

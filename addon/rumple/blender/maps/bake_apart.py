@@ -1,8 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Bakes maps in a second Blender, without a window, from a copy of the file: the window goes on meanwhile.
+"""Bakes maps in a second Blender without a window, from a copy of the file, so that the artist can go on working.
 
-Settling the wrinkles of a pose and Blender's own baker take seconds each, in one piece. This file is also what the
-second Blender runs.
+Solving a pose and Blender's own baker each block for seconds. The second Blender also runs this file.
 """
 from __future__ import annotations
 
@@ -24,10 +23,10 @@ STEP = "Rumple bakes: "  # before the name of a pose, in what it prints
 
 
 class ApartBake:
-    """As bake.MapBake, but that no step() takes long."""
+    """Like bake.MapBake, but every step is short."""
 
     def __init__(self, plan: Any) -> None:
-        """plan: the MapBake that is to be done."""
+        """plan: the MapBake to do."""
         self.plan, self.done = plan, 0
         self.names: list[str] = []
         self.folder = Path(tempfile.mkdtemp(prefix="rumple_maps_", dir=bpy.app.tempdir))
@@ -38,12 +37,12 @@ class ApartBake:
         return len(self.plan.poses)
 
     def steps(self) -> Generator[str, None, None]:
-        """Yields what is done, every time it is asked. Raises what the plan raises."""
+        """Yields the current state each time. Raises the exceptions of the plan."""
         yield "Saving a copy of the file"
         blend, log = self.folder / "copy.blend", self.folder / "log"
         bpy.ops.wm.save_as_mainfile(filepath=str(blend), copy=True)
         order = json.dumps(dict(object=self.plan.obj.name_full, poses=self.plan.poses, folder=str(self.folder),
-                                scripts=not bpy.app.autoexec_fail))  # those that were kept from running here stay so
+                                scripts=not bpy.app.autoexec_fail))  # scripts that were not run here are not run there
         with open(log, "w", encoding="utf-8") as printed:
             self._process = subprocess.Popen(
                 [bpy.app.binary_path, "-b", "--factory-startup", str(blend), "--python-exit-code", "1", "--python",
@@ -70,7 +69,7 @@ class ApartBake:
                              f"{''.join(last)}")
 
     def close(self) -> None:
-        """Ends what is under way."""
+        """End the second Blender if it still runs."""
         if self._process is not None and self._process.poll() is None:
             self._process.kill()
             self._process.wait()
@@ -79,8 +78,8 @@ class ApartBake:
 
 # ---------------------------------------------------------------- in the second Blender
 def _load_addon(scripts: bool) -> None:
-    """This add-on, wherever it is installed. Files know its properties only while it is on: so open the file again.
-    scripts: whether drivers and texts of the file run, as a rig may need them."""
+    """Load this add-on from its folder, and open the file again, because a file loads the add-on's properties only
+    while the add-on is enabled. scripts: whether scripts and drivers of the file run, which a rig may need."""
     spec = importlib.util.spec_from_file_location("rumple", ADDON / "__init__.py",
                                                   submodule_search_locations=[str(ADDON)])
     rumple = importlib.util.module_from_spec(spec)
@@ -101,7 +100,7 @@ def _main(order: dict[str, Any]) -> None:
         print(f"{STEP}{about.poses[number].name}", flush=True)
         try:
             bpy.ops.rumple.maps_bake()
-        except RuntimeError as error:  # how bpy.ops hands on a refusal
+        except RuntimeError as error:  # bpy.ops raises this if an operator reports an error
             (folder / "error").write_text(str(error).removeprefix("Error: ").strip(), encoding="utf-8")
             return
         pixels = np.empty(len(about.poses[number].image.pixels), np.float32)

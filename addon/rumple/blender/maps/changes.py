@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Marks what of the Wrinkle Maps must be compared, written or made anew after a change."""
+"""Marks which parts of the Wrinkle Maps must be rebuilt after a change."""
 from __future__ import annotations
 
 import bpy
@@ -14,7 +14,7 @@ _last_frame: tuple[str, float] | None = None  # that note_updates() has seen
 
 
 def rig_changed(obj: bpy.types.Object) -> None:
-    """Poses, bones or weights are others: compare anew after a moment without another change."""
+    """Poses, bones or weights changed: rebuild the comparison after a moment without further changes."""
     if maps_modifier.find(obj) is not None:
         maps_runtimes.of(obj).stale = True
         scheduler.request(scheduler.DELAY)
@@ -22,7 +22,7 @@ def rig_changed(obj: bpy.types.Object) -> None:
 
 
 def maps_changed(obj: bpy.types.Object) -> None:
-    """The images are others, or how they are blended: the shader's nodes are made anew."""
+    """The images or their blending changed: rebuild the shader's nodes."""
     group = obj.rumple_maps.group
     if group is not None and compat.is_editable(group):
         maps_shader.fill(group, maps_rig.usable_images(obj), obj.rumple_maps.maps, obj.rumple_maps.uv_map)
@@ -30,7 +30,7 @@ def maps_changed(obj: bpy.types.Object) -> None:
 
 
 def note_updates(depsgraph: bpy.types.Depsgraph) -> None:
-    """Edited meshes, painted weights, edited shape keys and edited armatures are read again."""
+    """Mark objects whose mesh, weights, shape keys or armature were edited."""
     global _last_frame
     if scheduler.rendering():
         return
@@ -53,6 +53,6 @@ def note_updates(depsgraph: bpy.types.Depsgraph) -> None:
 
 
 def _has_animated_keys(obj: bpy.types.Object) -> bool:
-    """Every frame then changes the mesh, as an edit does."""
+    """Whether shape keys are animated. Then every frame changes the mesh, and looks like an edit."""
     keys = obj.data.shape_keys
     return keys is not None and keys.animation_data is not None

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The comparison of an object's bones and shape keys with its reference poses, built from these, poses and weights."""
+"""Builds the comparison of an object's bones and shape keys with its reference poses."""
 from __future__ import annotations
 
 import hashlib
@@ -16,7 +16,8 @@ from .runtimes import Runtime
 
 
 def ensure(obj: bpy.types.Object, runtime: Runtime) -> None:
-    """Make runtime.comparison for the object as it is. Reads only: allowed in any handler. Raises UserError."""
+    """Build runtime.comparison for the current state of the object. It only reads, so it is allowed in any handler.
+    Raises UserError."""
     if not obj.rumple_maps.poses:
         runtime.comparison, runtime.shape = None, ""
         runtime.notes = [f"{obj.name}: pose its armature and add a reference pose" if obj.find_armature() is not None
@@ -31,7 +32,7 @@ def ensure(obj: bpy.types.Object, runtime: Runtime) -> None:
 
 
 def _fingerprint(rig: PoseRig, weights: SkinWeights, at_rest: np.ndarray) -> str:
-    """Of what skin, skeleton and comparison are made from: no gain, strengths and images."""
+    """Digest of the inputs of skin, skeleton and comparison, without gain, strengths and images."""
     digest = hashlib.sha1(repr((rig.root, rig.bones, rig.keys, [pose.name for pose in rig.poses])).encode())
     for values in (weights.start, weights.bone, weights.weight, at_rest, rig.neutral, rig.neutral_keys,
                    *(p.bones for p in rig.poses), *(p.keys for p in rig.poses)):
@@ -40,7 +41,7 @@ def _fingerprint(rig: PoseRig, weights: SkinWeights, at_rest: np.ndarray) -> str
 
 
 def _order_notes(obj: bpy.types.Object) -> list[str]:
-    """Where the mesh that the masks are for is not the one that comes in, or does not come out."""
+    """Warnings if modifiers before or after ours change the mesh that the masks are for."""
     nodes_mod, stack = maps_modifier.find(obj), list(obj.modifiers)
     wrinkles = modifier.find(obj)
     if wrinkles is not None and stack.index(nodes_mod) < stack.index(wrinkles):
@@ -54,12 +55,13 @@ def _order_notes(obj: bpy.types.Object) -> list[str]:
 
 
 def presence(obj: bpy.types.Object, pose: str) -> float:
-    """How far the present pose has come to a reference pose, 0..1. Computed when a bar is drawn, not in frames."""
+    """How close the current pose is to a reference pose, 0..1. It is computed when a bar is drawn, not in every
+    frame."""
     obj = obj.original
     runtime = maps_runtimes.of(obj)
     try:
         if runtime.comparison is None:
-            ensure(obj, runtime)  # linked objects are not prepared
+            ensure(obj, runtime)  # linked objects are not prepared by a rebuild
         if runtime.comparison is None:
             return 0.0
         rig = runtime.comparison.rig

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Wrinkle Maps for a game engine: the rig as JSON (core/poses.py), the maps as PNG beside it, influences by frame.
+"""Exports Wrinkle Maps for game engines: the rig as JSON (core/poses.py), the maps as PNG, influences by frame.
 
 bpy.ops.rumple.maps_export(filepath="face.json", frames=True), maps_weights(). docs/wrinkle_maps.md says what an engine
 does with them.
@@ -23,7 +23,8 @@ from . import modifier as maps_modifier, operators as maps_operators, rig as map
 
 
 def save_image(image: bpy.types.Image, folder: Path, deep: bool) -> Path:
-    """As PNG of 8 or 16 bits a channel, values as they are; the image then refers to the file. Raises OSError."""
+    """Save an image as PNG with 8 or 16 bits per channel, with unchanged values. The image then refers to the file.
+    Raises OSError."""
     folder.mkdir(parents=True, exist_ok=True)
     path = folder / f"{_file_name(image)}.png"
     _write_png(image, path, deep)
@@ -35,7 +36,7 @@ def save_image(image: bpy.types.Image, folder: Path, deep: bool) -> Path:
 
 
 def _file_name(image: bpy.types.Image) -> str:
-    """Of this blend file, and of no other of its images, also on disks that do not tell "A" from "a"."""
+    """A file name that no other image of this blend file has, also on disks where "A" and "a" are the same name."""
     plain = bpy.path.clean_name(image.name)
     others = [bpy.path.clean_name(other.name).casefold() for other in bpy.data.images if other != image]
     if plain.casefold() in others:
@@ -44,7 +45,8 @@ def _file_name(image: bpy.types.Image) -> str:
 
 
 def _write_png(image: bpy.types.Image, path: Path, deep: bool) -> None:
-    scene = bpy.data.scenes.new("Rumple Save")  # its settings say how: the artist's scene keeps its own
+    # its settings define the format, so the artist's scene keeps its own settings
+    scene = bpy.data.scenes.new("Rumple Save")
     try:
         scene.view_settings.view_transform = "Raw"
         settings = scene.render.image_settings
@@ -57,9 +59,9 @@ def _write_png(image: bpy.types.Image, path: Path, deep: bool) -> None:
 
 
 def export(obj: bpy.types.Object, path: Path, images: bool) -> list[Path]:
-    """Write the rig and, beside it, every map under the name that the rig gives. Raises UserError, OSError.
+    """Write the rig and, beside it, every map with the file name in the rig. Raises UserError, OSError.
 
-    The neutral map is the image that the object's first material with the node group has behind it.
+    The neutral map is the image that is connected to the node group in the object's first material with it.
     """
     rig, _ = maps_rig.rig_of(obj)
     rig.check()
@@ -80,13 +82,13 @@ def export(obj: bpy.types.Object, path: Path, images: bool) -> list[Path]:
             written.append(path.with_name(pose.map))
             _write_png(stored.image, written[-1], stored.image.is_float)
     text = rig.to_json()
-    from_json(text)  # what is written can be read
+    from_json(text)  # check that it can be read again
     path.write_text(text, encoding="utf-8")
     return written
 
 
 def _name_maps(obj: bpy.types.Object, rig: PoseRig, stem: str, neutral: bpy.types.Image | None) -> None:
-    """Each its file. Raises UserError where two would have one: on many disks "A" is "a"."""
+    """Give each map a file name. Raises UserError if two names are equal, without regard to case."""
     owners: dict[str, str] = {}
     if neutral is not None:
         rig.neutral_map = f"{stem}_neutral.png"
@@ -111,7 +113,8 @@ def sampled(context: bpy.types.Context, obj: bpy.types.Object, rig: PoseRig, fir
     try:
         for frame in range(first, last + 1):
             scene.frame_set(frame)
-            if not obj.evaluated_get(context.evaluated_depsgraph_get()).is_evaluated:  # keys and bones may stand still
+            # then keys and bones may not be updated
+            if not obj.evaluated_get(context.evaluated_depsgraph_get()).is_evaluated:
                 raise UserError(f"{obj.name}: nothing of it is shown at frame {frame}, it is hidden: show it")
             bones, keys = maps_rig.present(obj, rig)
             found = comparison.frame(bones, keys=keys)
@@ -128,7 +131,8 @@ def sampled(context: bpy.types.Context, obj: bpy.types.Object, rig: PoseRig, fir
 
 
 def weighted_copy(obj: bpy.types.Object, clip: dict[str, Any]) -> bpy.types.Object:
-    """A copy of obj whose shape keys, without any shape, are keyed with how present each pose is: morph weights."""
+    """A copy of obj with a shape key without displacement for each pose. Its animated value is the presence of the
+    pose: a morph weight."""
     copy = obj.copy()
     copy.data = obj.data.copy()
     copy.name = copy.data.name = f"{obj.name} weights"
@@ -139,7 +143,7 @@ def weighted_copy(obj: bpy.types.Object, clip: dict[str, Any]) -> bpy.types.Obje
         copy.shape_key_add(name="Basis")
     about = copy.data.shape_keys.animation_data
     if about is not None and about.action is not None:
-        about.action = about.action.copy()  # Blender copies the keys, and not what animates them
+        about.action = about.action.copy()  # Blender copies the shape keys, but not their action
     for number, name in enumerate(clip["poses"]):
         key = copy.shape_key_add(name=maps_mask_tree.MASK.format(name), from_mix=False)
         for frame, values in enumerate(clip["presence"], clip["first"]):
@@ -174,7 +178,7 @@ class RUMPLE_OT_maps_export(maps_operators.OnPose, bpy.types.Operator):
     bl_options = {"REGISTER"}
 
     filepath: bpy.props.StringProperty(subtype="FILE_PATH")
-    check_existing: bpy.props.BoolProperty(default=True, options={"HIDDEN"})  # the file browser asks for it
+    check_existing: bpy.props.BoolProperty(default=True, options={"HIDDEN"})  # the file browser needs it
     filter_glob: bpy.props.StringProperty(default="*.json", options={"HIDDEN"})
     images: bpy.props.BoolProperty(name="Maps", default=True, description="Save the wrinkle maps beside the file")
     frames: bpy.props.BoolProperty(name="Influences by Frame", description="Also write the influences of the scene's "

@@ -1,17 +1,17 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The two hidden objects that a Wrinkle Maps modifier reads, in no collection: its inputs keep them alive.
+"""The two hidden objects that a Wrinkle Maps modifier reads. They are in no collection; its inputs keep them alive.
 
-The skin has a point for each vertex, with its weights. The skeleton has two for each bone, its head and its tail, and
-four for the root bone, whose space is read from them. An Armature modifier poses them. For a shape key it has a point
-that a key of its own moves along x, driven by the value of the artist's. So the present pose
-reaches the nodes within Blender's one evaluation of a frame: no handler, no second evaluation, and on a machine
-without Rumple the masks follow the pose just so. What stands in their attributes says maps_mask_tree.py.
+The skin has a point for each vertex, with its weights. The skeleton has two points for each bone, head and tail, and
+four for the root bone, which define its space. An Armature modifier poses these points. For a shape key the skeleton
+has a point that a key of its own moves along x, driven by the value of the artist's key. So the nodes get the current
+pose in Blender's single evaluation of a frame, without a handler. The masks also follow the pose on a machine without
+Rumple. maps_mask_tree.py describes the attributes.
 
-Blender's matrices of objects are in single precision: kilometres from the origin a place in the world has no
-millimetres left. So no number here has the armature's place in it. The object stands where the armature does, but is
-neither turned nor scaled: what leads from it to the armature is then the turn and scale of that, to the bit. A Hook
-turns and scales the points, which lie in armature space, before the Armature modifier, which looks for them there. What
-they all have been turned and scaled by does not count in root space.
+Blender's object matrices have single precision. Kilometres from the origin, millimetres are lost. So no number here
+contains the armature's location. The object has the location of the armature, but no rotation and scale. The transform
+between both is then exactly the armature's rotation and scale. A Hook applies it to the points, which are in armature
+space, before the Armature modifier, which expects them there. A common rotation and scale of all points has no effect
+in root space.
 """
 from __future__ import annotations
 
@@ -27,8 +27,8 @@ from ..nodes import maps_mask_tree
 from ..nodes.maps_mask_tree import FRAME
 from .rig import is_rigid
 
-KEY = "rumple_maps_carrier"  # custom property: tells leftovers from the artist's objects
-SHAPE = "rumple_maps_shape"  # ... and what it was made from
+KEY = "rumple_maps_carrier"  # custom property: identifies our objects, to remove unused ones
+SHAPE = "rumple_maps_shape"  # custom property: fingerprint of the inputs
 SKIN, SKELETON = ".maps", ".bones"
 KEY_RANGE = -10.0, 10.0  # Blender's own limits
 
@@ -40,14 +40,14 @@ def _hidden(name: str, mesh: bpy.types.Mesh, shape: str) -> bpy.types.Object:
 
 
 def made_from(hidden_obj: bpy.types.Object | None, shape: str) -> bool:
-    """True where it can be written and is what new_skin() or new_skeleton() would make."""
+    """Whether it can be written and equals a new one from new_skin() or new_skeleton()."""
     # An override of a hidden object has the linked mesh, where writing is silently ignored.
     return hidden_obj is not None and all(map(compat.is_editable,
                                               (hidden_obj, hidden_obj.data))) and hidden_obj.get(SHAPE) == shape
 
 
 def new_skin(name: str, comparison: PoseComparison, shape: str) -> bpy.types.Object:
-    """Without weights: write_weights() must follow."""
+    """A new skin, without weights. Call write_weights() next."""
     table = comparison.table()
     mesh = bpy.data.meshes.new(name + SKIN)
     mesh.vertices.add(len(table.bone))
@@ -62,7 +62,8 @@ def new_skin(name: str, comparison: PoseComparison, shape: str) -> bpy.types.Obj
 
 def write_weights(hidden_obj: bpy.types.Object, comparison: PoseComparison, gain: float,
                   strength: Sequence[float]) -> None:
-    """With gain and strengths. The only thing that handlers write, and only where these are animated."""
+    """Write weights, gain and strengths. Handlers write nothing else, and this only if gain or strengths are
+    animated."""
     table = comparison.table()
     for number, lifts in enumerate(packed(comparison.lifts(gain, strength))):
         for column in range(ROW):
@@ -73,7 +74,7 @@ def write_weights(hidden_obj: bpy.types.Object, comparison: PoseComparison, gain
 
 
 def new_skeleton(obj: bpy.types.Object, comparison: PoseComparison, shape: str) -> bpy.types.Object:
-    """Follows the bones that deform an object, and its shape keys."""
+    """A new skeleton, which follows the bones that deform an object, and its shape keys."""
     rig, count = comparison.rig, len(comparison.rig.elements)
     mesh = bpy.data.meshes.new(obj.name + SKELETON)
     mesh.vertices.add(2 * count + (FRAME if rig.bones else 0))
@@ -91,14 +92,14 @@ def new_skeleton(obj: bpy.types.Object, comparison: PoseComparison, shape: str) 
 
 
 def _unit_of(rig: PoseRig, armature: bpy.types.Object) -> float:
-    """About the length of the root bone, in armature units: so long are the axes that its space is read from. A power
-    of two: what is divided by it keeps its bits."""
+    """The length of the axes that define the root's space: about the length of the root bone, in armature units. It is
+    a power of two, so that a division by it is exact."""
     known = armature.data.bones
     return float(2.0 ** np.round(np.log2(known[rig.root].length if rig.root else known[rig.bones[0].name].length)))
 
 
 def _points(rig: PoseRig, unit: float, armature: bpy.types.Object) -> dict[str, list[tuple[int, Vector]]]:
-    """Bone, empty for the armature itself -> its points: their numbers, and their places in the space of the bone."""
+    """Bone (empty: the armature itself) -> its points: their numbers, and their positions in the bone's space."""
     count = len(rig.elements)
     found: dict[str, list[tuple[int, Vector]]] = {}
     for number, tracked in enumerate(rig.bones):
@@ -130,7 +131,8 @@ def _follow_bones(hidden_obj: bpy.types.Object, rig: PoseRig, unit: float, armat
 
 def _hook(hidden_obj: bpy.types.Object, armature: bpy.types.Object, name: str, points: list[int]
           ) -> bpy.types.HookModifier:
-    """From armature space, or what its matrix_inverse leads from, to the object's."""
+    """A Hook that transforms points from armature space, or from the source space of its matrix_inverse, to the
+    object's space."""
     hook = hidden_obj.modifiers.new(name, "HOOK")
     hook.object, hook.falloff_type, hook.strength = armature, "NONE", 1.0
     hook.vertex_indices_set(points)
@@ -139,9 +141,10 @@ def _hook(hidden_obj: bpy.types.Object, armature: bpy.types.Object, name: str, p
 
 
 def _drive(hook: bpy.types.HookModifier, armature: bpy.types.Object, bone: str) -> None:
-    """By a bone that no Armature modifier moves, as roots often are: number by number, which takes 30 times as long.
+    """Let a bone that no Armature modifier moves (often the root) move a Hook, by a driver for each entry of its
+    matrix, which takes 30 times as long.
 
-    Not by a Hook's own bone, whose place in the world Blender would compute."""
+    Not by a Hook's own bone, because Blender would compute its place in world space."""
     path = f'pose.bones["{bpy.utils.escape_identifier(bone)}"].matrix'
     for entry in range(16):
         if entry % 4 < 3:  # the last row stays
@@ -151,7 +154,7 @@ def _drive(hook: bpy.types.HookModifier, armature: bpy.types.Object, bone: str) 
 
 
 def _follow_keys(hidden_obj: bpy.types.Object, rig: PoseRig, keys: bpy.types.Key) -> None:
-    """Points at the origin, each moved along x by its key's value. Blender mends the drivers where keys are renamed."""
+    """Points at the origin, each moved along x by its key's value. Blender updates the drivers if keys are renamed."""
     hidden_obj.shape_key_add(name="Basis")
     for point, tracked in enumerate(rig.keys, len(rig.bones)):
         block = hidden_obj.shape_key_add(name=str(point), from_mix=False)
@@ -160,7 +163,8 @@ def _follow_keys(hidden_obj: bpy.types.Object, rig: PoseRig, keys: bpy.types.Key
         driver = hidden_obj.data.shape_keys.driver_add(f'key_blocks["{point}"].value').driver
         for name in ("value", "mute"):
             _add_variable(driver, name, keys, f'key_blocks["{bpy.utils.escape_identifier(tracked.name)}"].{name}')
-        driver.expression = "value * (1 - mute)"  # simple: Blender computes it without Python, and asks for no trust
+        # a simple expression: Blender evaluates it without Python, so it also works in files that are not trusted
+        driver.expression = "value * (1 - mute)"
 
 
 def _add_variable(driver: bpy.types.Driver, name: str, owner: bpy.types.ID, path: str) -> None:
@@ -184,13 +188,14 @@ def keys_of(skeleton: bpy.types.Object) -> bpy.types.Key | None:
 
 
 def follows(skeleton: bpy.types.Object, obj: bpy.types.Object, rig: PoseRig) -> bool:
-    """It has the bones and shape keys of this object, not those of another that it was copied from."""
+    """Whether it follows the bones and shape keys of this object, and not those of an object that it was copied
+    from."""
     return (armature_of(skeleton) == (obj.find_armature() if rig.bones else None)
             and keys_of(skeleton) == (obj.data.shape_keys if rig.keys else None))
 
 
 def _write_rig(mesh: bpy.types.Mesh, comparison: PoseComparison, unit: float) -> None:
-    """unit: what 1 is in the root space of the nodes, in armature units."""
+    """Write the attributes of the rig. unit: the unit of the nodes' root space, in armature units."""
     rig, count = comparison.rig, len(comparison.rig.elements)
     units = np.repeat(np.array([unit, 1.0], np.float32), [len(rig.bones), len(rig.keys)])[:, None]
 
@@ -208,7 +213,7 @@ def _write_rig(mesh: bpy.types.Mesh, comparison: PoseComparison, unit: float) ->
     group = rig.group_numbers()
     alone = group < 0
     group[alone] = count + np.flatnonzero(alone)
-    write(maps_mask_tree.GROUP, "INT", group, np.full(count, -1, np.int32), -1)  # tails count for none
+    write(maps_mask_tree.GROUP, "INT", group, np.full(count, -1, np.int32), -1)  # tails are in no group
     for number, shares in enumerate(packed(comparison.shares())):
         write(maps_mask_tree.SHARE.format(number), "FLOAT_VECTOR", shares, np.zeros_like(shares))
     is_key = (np.arange(count) >= len(rig.bones)).astype(np.float32)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Reads shape keys for the Wrinkle Maps: the values that count, and how far each key moves every vertex."""
+"""Reads and sets shape keys for the Wrinkle Maps: their values, and how far each key moves every vertex."""
 from __future__ import annotations
 
 from typing import Any
@@ -10,7 +10,7 @@ import numpy as np
 from ...core.shape_keys import weights_of_key
 from ..objects import mesh_reader
 
-SET = 1e-3  # a value that differs by more was set; less is what a driver leaves behind
+SET = 1e-3  # a smaller difference of values is the rounding of a driver
 
 
 def blocks(obj: bpy.types.Object) -> list[bpy.types.ShapeKey]:
@@ -25,12 +25,12 @@ def are_absolute(obj: bpy.types.Object) -> bool:
 
 
 def value_of(block: bpy.types.ShapeKey) -> float:
-    """As it counts for the shape."""
+    """Its value in the shape: 0 if it is muted."""
     return 0.0 if block.mute else block.value
 
 
 def values(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph | None = None) -> dict[str, float]:
-    """Of every key, as drivers and animation have it now; as shown last without a depsgraph."""
+    """The current value of every key, with drivers and animation. Without a depsgraph: the last evaluated values."""
     if not blocks(obj):
         return {}
     keys = obj.data.shape_keys
@@ -39,7 +39,7 @@ def values(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph | None = None) 
 
 
 def are_set(obj: bpy.types.Object, names: list[str]) -> bool:
-    """One of these is not where the neutral face has it."""
+    """Whether one of these keys differs from the neutral pose."""
     neutral = {record.name: record.value for record in obj.rumple_maps.neutral_keys}
     now = values(obj)
     return any(abs(now.get(name, 0.0) - neutral.get(name, 0.0)) > SET for name in names)
@@ -47,7 +47,7 @@ def are_set(obj: bpy.types.Object, names: list[str]) -> bool:
 
 # ---------------------------------------------------------------- which vertices
 def weights(obj: bpy.types.Object, name: str) -> np.ndarray:
-    """(n,) 0..1: how far a key moves each vertex, in place of a skin weight."""
+    """(n,) 0..1: how far a key moves each vertex, used like a skin weight."""
     block = obj.data.shape_keys.key_blocks[name]
     displacements = mesh_reader.key_positions(block) - mesh_reader.key_positions(block.relative_key)
     if block.vertex_group in obj.vertex_groups:
@@ -62,7 +62,7 @@ def moving(obj: bpy.types.Object) -> list[str]:
 
 # ---------------------------------------------------------------- setting them
 def choose(chosen: bpy.types.bpy_prop_collection, names: list[str]) -> None:
-    """Compare exactly these keys, or bones; what was set for those that stay is kept."""
+    """Compare exactly these keys, or bones. Settings of those that stay are kept."""
     for place in reversed(range(len(chosen))):
         if chosen[place].name not in names:
             chosen.remove(place)
@@ -76,13 +76,13 @@ def set_values(obj: bpy.types.Object, wanted: dict[str, float]) -> list[str]:
     known = {block.name: block for block in blocks(obj)}
     for name, value in wanted.items():
         block = known.get(name)
-        if block is not None and not (block.mute and value == 0.0):  # a muted one is where it should be
+        if block is not None and not (block.mute and value == 0.0):  # a muted key already has the effect of 0
             block.value = value
     return [name for name, value in wanted.items() if name not in known and value]
 
 
 def astray(obj: bpy.types.Object, wanted: dict[str, float]) -> list[str]:
-    """Names of keys that are elsewhere after all: a driver or a mute has the last word."""
+    """Names of keys that do not have the wanted value, because a driver or a mute overrides it."""
     now = values(obj)
     return [name for name, value in wanted.items() if name in now and abs(now[name] - value) > SET]
 

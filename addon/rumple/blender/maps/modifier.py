@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The modifier "Wrinkle Maps": a node tree that hands the mesh on as it is, with the masks as point attributes.
+"""The modifier "Wrinkle Maps": a node tree that does not change the mesh, but adds the masks as point attributes.
 
     rumple_poses_0 .. rumple_poses_5    FLOAT_VECTOR    masks of poses 1 to 3, 4 to 6, ...: for the shader
-    rumple_pose_<name>                  FLOAT           0..1: where the map of that pose shows, and how much
-Every object has a tree of its own, for the names of its poses stand in it. The nodes are those of maps_mask_tree.py,
-the hidden objects that they read those of maps/hidden_meshes.py.
+    rumple_pose_<name>                  FLOAT           0..1: where and how strongly the map of this pose is visible
+Every object has its own tree, because the tree contains the names of its poses. maps_mask_tree.py makes the nodes,
+maps/hidden_meshes.py the hidden objects that they read.
 """
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ def new_tree(name: str) -> bpy.types.NodeTree:
 
 
 def fill(group: bpy.types.NodeTree, shape: Shape) -> None:
-    """Make the nodes, unless they are there; sockets that an older file lacks, too."""
+    """Make the nodes, if necessary, and sockets that an older file lacks."""
     if group[KEY] == repr(shape):
         return
     empty_modifier_group(group, maps_mask_tree.INPUTS)
@@ -61,7 +61,7 @@ def fill(group: bpy.types.NodeTree, shape: Shape) -> None:
 
 # ---------------------------------------------------------------- the modifier and what it reads
 def add(obj: bpy.types.Object) -> bpy.types.NodesModifier:
-    """Put the modifier behind the last deforming one, and behind other wrinkles, with a tree of its own."""
+    """Add the modifier after the last deforming modifier and after other wrinkles, with its own tree."""
     wrinkles = modifier.find(obj)
     place = modifier.place_behind_deforming(obj) if wrinkles is None else list(obj.modifiers).index(wrinkles) + 1
     made = obj.modifiers.new(NAME, "NODES")
@@ -74,7 +74,7 @@ def add(obj: bpy.types.Object) -> bpy.types.NodesModifier:
 
 
 def remove(obj: bpy.types.Object) -> None:
-    """The modifier, its tree and what it read."""
+    """Remove the modifier, its tree and its hidden objects."""
     nodes_mod = find(obj)
     if nodes_mod is None:
         return
@@ -86,7 +86,7 @@ def remove(obj: bpy.types.Object) -> None:
 
 
 def drop_unused_trees() -> None:
-    """Of modifiers that Blender's own buttons removed."""
+    """Remove the trees of modifiers that were removed with Blender's own buttons."""
     _MAPPED.drop_unused_groups()
 
 
@@ -111,13 +111,14 @@ def wrinkles(nodes_mod: bpy.types.NodesModifier) -> bpy.types.Object | None:
 
 
 def hidden(nodes_mod: bpy.types.NodesModifier) -> set[bpy.types.Object]:
-    """Skin and skeleton, where it has them."""
+    """Skin and skeleton, if it has them."""
     return {read for read in (skin(nodes_mod), skeleton(nodes_mod)) if read is not None}
 
 
 def connect(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier, new_skin: bpy.types.Object | None,
             new_skeleton: bpy.types.Object | None, wrinkles: bpy.types.Object | None) -> None:
-    """Let the modifier read these; count of vertices as obj has them now. The former ones go, unless others read them.
+    """Make the modifier read these objects, and store the current number of vertices. The former objects are removed,
+    unless other modifiers read them.
 
     wrinkles: the output object of the modifier that makes other wrinkles in front of this one.
     """
@@ -127,7 +128,7 @@ def connect(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier, new_skin:
         return
     for name, value in wanted.items():
         set_input(nodes_mod, name, value)
-    # An input set from Python does not tell the dependency graph about the new relation; setting the group does.
+    # Setting an input from Python does not add the new relation to the dependency graph. Setting the group does.
     nodes_mod.node_group = nodes_mod.node_group
     obj.update_tag()
     for unread in former - {new_skin, new_skeleton}:

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The buttons of the Wrinkle Maps.
+"""The operators of the Wrinkle Maps.
 
 bpy.ops.rumple.maps_add() (or object.rumple_add(method="MAPS")), maps_remove(), maps_show(), maps_hide(), maps_bones(),
 maps_keys(), maps_key_remove().
-They act on the active mesh or, while its armature is posed, on the mesh with Wrinkle Maps that it deforms. Those of
-the reference poses are in maps/pose_operators.py.
+They act on the active mesh, or, while an armature is posed, on the mesh with Wrinkle Maps that it deforms. The
+operators of the reference poses are in maps/pose_operators.py.
 """
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from . import (changes as maps_changes, keys as maps_keys, modifier as maps_modi
 
 
 def target(context: bpy.types.Context) -> bpy.types.Object | None:
-    """The object with Wrinkle Maps that is meant: the active one, or what the active armature deforms."""
+    """The object with Wrinkle Maps to work on: the active one, or the one that the active armature deforms."""
     active = context.object
     if active is None or active.type != "ARMATURE":
         return active if active is not None and active.type == "MESH" and maps_modifier.find(active) else None
@@ -48,7 +48,7 @@ class OnMaps:
         return not why
 
     def guarded(self, work: Callable[[], None]) -> set[str]:
-        """Run; what is refused is reported."""
+        """Run the work, and report errors."""
         try:
             work()
         except (UserError, native.NativeMissing) as error:
@@ -79,7 +79,7 @@ class OnPose(OnMaps):
 
 
 def add_maps(obj: bpy.types.Object) -> None:
-    """Put the modifier on and show the group in the object's materials. Raises UserError and changes nothing."""
+    """Add the modifier, and the node group in the object's materials. If it raises UserError, nothing is changed."""
     maps_rig.refuse_without_pose(obj)
     native.load()
     with scheduler.suspended():
@@ -89,10 +89,10 @@ def add_maps(obj: bpy.types.Object) -> None:
 
 
 def remove_maps(obj: bpy.types.Object) -> None:
-    """Modifier, output object and the nodes in materials; the reference poses stay with the object."""
+    """Remove the modifier, its hidden objects and the nodes in materials. The reference poses stay with the object."""
     hide(obj)
     maps_modifier.remove(obj)
-    frame_rebuild.drop_orphan_outputs()  # the maps may have been the last to read one
+    frame_rebuild.drop_orphan_outputs()  # the maps may have been the last user of an output object
     maps_rebuild.note_method(obj)
     group = obj.rumple_maps.group
     obj.rumple_maps.group = None
@@ -101,7 +101,8 @@ def remove_maps(obj: bpy.types.Object) -> None:
 
 
 def show(obj: bpy.types.Object) -> None:
-    """The node group in all materials of the object. Raises UserError after the others for what cannot take it."""
+    """Add the node group to all materials of the object. At the end, raises UserError for materials that cannot have
+    it."""
     settings = obj.rumple_maps
     if settings.group is None:
         settings.group = maps_shader.new_group(obj.name)
@@ -157,7 +158,7 @@ class RUMPLE_OT_maps_add(bpy.types.Operator):
             self.report({"ERROR"}, said(str(error)))
             return {"CANCELLED"}
         self.report({"INFO"}, said("Next: pose the bones, or set the shape keys, and press Add Reference Pose"))
-        context.scene.render.use_lock_interface = True  # handlers write while the window draws
+        context.scene.render.use_lock_interface = True  # because handlers write data while the window draws
         return {"FINISHED"}
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Influences as colours over the mesh in the viewport: a hue for each pose, as strong as its mask."""
+"""Draws influences as colours over the mesh in the viewport: a hue for each pose, with its mask as strength."""
 from __future__ import annotations
 
 import colorsys
@@ -14,7 +14,7 @@ from ..viewport.draw_handler import DrawHandler
 from . import modifier as maps_modifier
 
 STRONGEST = 0.85  # alpha where the masks sum to 1: the shading stays visible
-NEARER = 1e-4  # share of the depth by which colours lie in front of the mesh
+NEARER = 1e-4  # share of the depth by which colours are drawn in front of the mesh
 
 
 def palette(count: int) -> np.ndarray:
@@ -23,7 +23,8 @@ def palette(count: int) -> np.ndarray:
 
 
 def colours(masks: np.ndarray) -> np.ndarray:
-    """(n, 4) from the masks of o poses, (n, o): the sum of their hues. Premultiplied: no dark rims where they fade."""
+    """(n, 4) from the masks of o poses, (n, o): the sum of their hues. Alpha is premultiplied, which avoids dark
+    rims."""
     masks = STRONGEST * masks / np.maximum(masks.sum(1, keepdims=True), 1.0)
     return np.concatenate([masks @ palette(masks.shape[1]), masks.sum(1, keepdims=True)], 1).astype(np.float32)
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The reference poses, in the modifier tab of the mesh and, for posing, in the sidebar of the 3D view."""
+"""Panels of the reference poses, in the modifier tab of the mesh and, for posing, in the sidebar of the 3D view."""
 from __future__ import annotations
 
 from typing import Any
@@ -16,7 +16,7 @@ class RUMPLE_UL_poses(bpy.types.UIList):
 
     def draw_item(self, _context: bpy.types.Context, layout: bpy.types.UILayout, _data: Any, pose: Any, _icon: int,
                   _active_data: Any, _active_property: str, _index: int = 0) -> None:
-        split = layout.split(factor=0.55, align=True)  # else no more than two letters of the name stand in the sidebar
+        split = layout.split(factor=0.55, align=True)  # otherwise the sidebar shows only two letters of the name
         split.prop(pose, "name", text="", emboss=False, icon="ARMATURE_DATA" if pose.image is None else "IMAGE_DATA")
         row = split.row(align=True)
         bar = row.row()
@@ -192,7 +192,7 @@ class _Status(_Maps):
 
 
 def _panel(body: Any, place: type, name: str, parent: str = "") -> type:
-    """A panel class: what it draws, and where it stands."""
+    """Make a panel class from its content and its place."""
     members = {"bl_idname": name, "bl_label": body.bl_label, "draw": body.draw, "bl_order": 101,
                "bl_options": getattr(body, "bl_options", set())}
     if parent:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The buttons of the reference poses; all of them can be undone.
+"""The operators of the reference poses. All of them can be undone.
 
 bpy.ops.rumple.pose_add(name="Surprise"), pose_update(), pose_rename(name="Joy"), pose_move(direction="UP"),
 pose_mute(mute=True), pose_solo(solo=True), pose_remove(), pose_go(), pose_go(neutral=True), neutral_capture(),
@@ -23,7 +23,7 @@ def _store(context: bpy.types.Context, obj: bpy.types.Object, records: stored_po
 
 
 def _refuse_bad(obj: bpy.types.Object) -> None:
-    """Raises UserError where the stored poses cannot be compared: two that are equal, one that is the neutral pose."""
+    """Raises UserError if the stored poses cannot be compared: two are equal, or one equals the neutral pose."""
     rig, _ = maps_rig.rig_of(obj)
     PoseComparison.build(rig, maps_rig.weights_of(obj, rig))
 
@@ -48,7 +48,8 @@ class RUMPLE_OT_pose_add(OnMaps, bpy.types.Operator):
         if not settings.bones and not settings.keys:
             maps_rig.choose_by_default(obj)
         name = unused_name(self.name, [pose.name for pose in settings.poses])
-        depsgraph = context.evaluated_depsgraph_get()  # in background that compares all poses: none may be half made
+        # in the background this compares all poses, so do it before a pose is incomplete
+        depsgraph = context.evaluated_depsgraph_get()
         pose = settings.poses.add()
         stored_poses.store(stored_poses.of_pose(pose), obj, depsgraph)
         pose.name = name
@@ -76,7 +77,7 @@ class RUMPLE_OT_pose_update(OnPose, bpy.types.Operator):
 
 
 def _replace(context: bpy.types.Context, obj: bpy.types.Object, records: stored_poses.Records) -> None:
-    """Store a pose over another; the former comes back where the new one is refused."""
+    """Store a pose over another one. If the new pose is refused, the former is restored."""
     maps_rig.refuse_without_pose(obj)
     former = stored_poses.read(records)
     _store(context, obj, records)

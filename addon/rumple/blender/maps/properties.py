@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the Wrinkle Maps keep with an object: `object.rumple_maps`. Reference poses are stored bone by bone, by name."""
+"""The properties of the Wrinkle Maps, `object.rumple_maps`. Reference poses are stored bone by bone, by name."""
 from __future__ import annotations
 
 import bpy
@@ -22,26 +22,26 @@ _MAPS = (
 
 
 def _rig_changed(group: bpy.types.PropertyGroup, _context: bpy.types.Context) -> None:
-    """Poses, bones, weights of the comparison."""
+    """Update function of properties that change the comparison: poses, bones, weights."""
     maps_changes.rig_changed(group.id_data)
 
 
 def _frame_changed(group: bpy.types.PropertyGroup, _context: bpy.types.Context) -> None:
-    """What only changes the masks."""
+    """Update function of properties that only change the masks."""
     group.id_data.update_tag()
 
 
 def _maps_changed(group: bpy.types.PropertyGroup, _context: bpy.types.Context) -> None:
-    """The images or how they are blended."""
+    """Update function of properties that change the images or their blending."""
     maps_changes.maps_changed(group.id_data)
 
 
 def _pose_renamed(pose: bpy.types.PropertyGroup, context: bpy.types.Context) -> None:
-    """Names are unique, as everywhere in Blender: the younger one gets a number."""
+    """Make the name unique, as everywhere in Blender: the renamed pose gets a number."""
     others = [other.name for other in pose.id_data.rumple_maps.poses if other != pose]
     free = unused_name(pose.name, others)
     if free != pose.name:
-        pose.name = free  # comes here once more
+        pose.name = free  # calls this function again
         return
     _rig_changed(pose, context)
 

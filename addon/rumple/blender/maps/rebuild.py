@@ -16,12 +16,12 @@ from .runtimes import Runtime
 
 
 def sync() -> None:
-    """Bring every object in order: trees, shared skins and groups, comparisons, leftovers."""
+    """Update every object: trees, shared skins and groups, comparisons. Remove unused data."""
     objects = list(maps_modifier.mapped_objects())
     maps_runtimes.forget_all_but(obj for obj, _ in objects)
     used = {hidden for _, nodes_mod in objects for hidden in maps_modifier.hidden(nodes_mod)}
     objects = [(obj, nodes_mod) for obj, nodes_mod in objects
-               if compat.is_editable(obj)]  # linked ones cannot be written
+               if compat.is_editable(obj)]  # linked objects cannot be written
     _split_shared(objects)
     for obj, nodes_mod in objects:
         modifier.take_out_of_scenes(maps_modifier.hidden(nodes_mod))
@@ -34,7 +34,7 @@ def sync() -> None:
 
 
 def note_method(obj: bpy.types.Object) -> None:
-    """The method is MAPS where there are no other wrinkles."""
+    """Set the method to MAPS if there are no other wrinkles."""
     method = obj.rumple.method
     if obj.type != "MESH" or not compat.is_editable(obj) or (method == "NONE" and not len(obj.modifiers)):
         return
@@ -46,7 +46,7 @@ def note_method(obj: bpy.types.Object) -> None:
 
 
 def _wrinkles_in_front(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier) -> bpy.types.Object | None:
-    """The output object of a Wrinkle Mesh, Field or Paths in front of the maps."""
+    """The output object of a Wrinkle Mesh, Field or Paths before the maps in the stack."""
     wrinkles, stack = modifier.find(obj), list(obj.modifiers)
     if wrinkles is None or stack.index(wrinkles) > stack.index(nodes_mod):
         return None
@@ -54,18 +54,18 @@ def _wrinkles_in_front(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier
 
 
 def is_behind_others(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier) -> bool:
-    """Other wrinkles came, went or were made anew since the modifier was prepared."""
+    """Whether other wrinkles were added, removed or rebuilt since the modifier was prepared."""
     return _wrinkles_in_front(obj, nodes_mod) != maps_modifier.wrinkles(nodes_mod)
 
 
 def prepare(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier) -> None:
-    """Make comparison, tree, skin and skeleton what they should be. What is wrong becomes the object's message."""
+    """Update comparison, tree, skin and skeleton. An error becomes the object's message."""
     runtime = maps_runtimes.of(obj)
     runtime.stale = runtime.unsure = False
-    with messages.build_errors(obj, runtime):  # without the native module the nodes go on
+    with messages.build_errors(obj, runtime):  # without the native library the existing nodes still work
         try:
             _prepare(obj, nodes_mod, runtime)
-        except UserError:  # no masks rather than wrong ones
+        except UserError:  # better no masks than wrong ones
             maps_modifier.connect(obj, nodes_mod, None, None, _wrinkles_in_front(obj, nodes_mod))
             raise
         messages.set_build_error(runtime, "")
@@ -86,7 +86,7 @@ def _prepare(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier, runtime:
     skin, skeleton = maps_modifier.skin(nodes_mod), maps_modifier.skeleton(nodes_mod)
     if not maps_meshes.made_from(skin, runtime.shape):
         skin = maps_meshes.new_skin(obj.name, comparison, runtime.shape)
-        runtime.written = None  # whatever its key: in 3.4 that is an address, which the former skin may have had
+        runtime.written = None  # even if the key is equal: in 3.4 it is an address, which the former skin may have had
     if not maps_meshes.made_from(skeleton, runtime.shape) or not maps_meshes.follows(skeleton, obj, comparison.rig):
         skeleton = maps_meshes.new_skeleton(obj, comparison, runtime.shape)
     write_gain(skin, runtime, obj.rumple_maps)
@@ -94,7 +94,7 @@ def _prepare(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier, runtime:
 
 
 def write_gain(skin: bpy.types.Object, runtime: Runtime, settings: bpy.types.PropertyGroup) -> None:
-    """Gain, strengths, mute and solo, where the skin has others. A write costs another evaluation."""
+    """Write gain, strengths, mute and solo, but only after a change, because a write causes another evaluation."""
     wanted, key = (settings.gain, tuple(strengths(settings.poses))), compat.session_key(skin.data)
     if wanted != runtime.written or key != runtime.output_key:
         maps_meshes.write_weights(skin, runtime.comparison, *wanted)
@@ -102,8 +102,8 @@ def write_gain(skin: bpy.types.Object, runtime: Runtime, settings: bpy.types.Pro
 
 
 def _split_shared(objects: list[tuple[bpy.types.Object, bpy.types.NodesModifier]]) -> None:
-    """Duplicates share tree, skin and shader group with their original until they get their own; overrides, with the
-    linked file. A skeleton is never written to: it may be shared until the poses differ."""
+    """Give duplicates their own tree, skin and shader group, which they share with their original, or an override with
+    the linked file. A skeleton is never written, so it may be shared until the poses differ."""
     seen: set[bpy.types.ID] = set()
     for obj, nodes_mod in objects:
         if nodes_mod.node_group in seen or not compat.is_editable(nodes_mod.node_group):
@@ -115,16 +115,16 @@ def _split_shared(objects: list[tuple[bpy.types.Object, bpy.types.NodesModifier]
             maps_runtimes.of(obj).stale = True
         group = obj.rumple_maps.group
         if group is not None and group in seen:
-            obj.rumple_maps.group = group.copy()  # its materials show the original's maps until it has its own
+            obj.rumple_maps.group = group.copy()  # until it has its own materials, they show the original's maps
         seen |= {nodes_mod.node_group, maps_modifier.skin(nodes_mod), obj.rumple_maps.group}
 
 
 def _tidy(used: set[bpy.types.Object | None]) -> None:
-    """Trees, skins and skeletons whose modifier was removed or applied by Blender's own buttons."""
+    """Remove trees, skins and skeletons whose modifier was removed or applied with Blender's own buttons."""
     maps_modifier.drop_unused_trees()
     candidates = {o for o in bpy.data.objects if maps_meshes.KEY in o} - used
     if candidates:
         for candidate, users in bpy.data.user_map(subset=candidates).items():
             if not users:
                 modifier.delete_hidden(candidate)
-    frame_rebuild.drop_orphan_outputs()  # of other wrinkles that went: maps behind them read these until now
+    frame_rebuild.drop_orphan_outputs()  # output objects of removed wrinkles, which the maps read until now

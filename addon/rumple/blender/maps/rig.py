@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Makes the rig of the Wrinkle Maps of armature, shape keys, stored poses and skin weights. Which bones are chosen."""
+"""Makes the rig of the Wrinkle Maps from armature, shape keys, stored poses and skin weights, and chooses bones."""
 from __future__ import annotations
 
 from typing import Any
@@ -13,8 +13,8 @@ from ...core.poses import PoseRig, ReferencePose, SkinWeights, TrackedBone, Trac
 from ...core.shape_keys import with_keys
 from . import keys as maps_keys, stored_poses
 
-_SAME = 1e-6  # of the value of a shape key
-_MOVED = 1e-4  # of the armature's size: bones that Blender computes anew come back to rest but for roundings
+_SAME = 1e-6  # values of a shape key that differ by less are equal
+_MOVED = 1e-4  # distance / the armature's size: a smaller one is a rounding error of Blender's evaluation
 _ROOT_NAMES = ("head", "c_head", "def-head", "mixamorig:head", "def_head", "face_root")
 
 
@@ -28,7 +28,7 @@ def armature_of(obj: bpy.types.Object) -> bpy.types.Object:
 
 
 def refuse_without_pose(obj: bpy.types.Object) -> None:
-    """Raises UserError where nothing can be posed."""
+    """Raises UserError if nothing can be posed."""
     if obj.find_armature() is None and not maps_keys.blocks(obj):
         if maps_keys.are_absolute(obj):
             raise UserError(f"{obj.name}: its shape keys are absolute: switch on Relative, since no map follows "
@@ -44,19 +44,19 @@ def skinning_bones(obj: bpy.types.Object, armature: bpy.types.Object) -> list[st
 
 
 def _below(armature: bpy.types.Object, root: str) -> set[str]:
-    """The bones that hang from a bone; all of them without one."""
+    """All descendants of a bone; all bones if root is empty."""
     known = armature.data.bones
     return {bone.name for bone in (known[root].children_recursive if root else known)}
 
 
 def _head(armature: bpy.types.Object, names: list[str]) -> str:
-    """A bone named as heads are that some of these hang from; else empty."""
+    """A bone with a usual name of a head that has some of these as descendants; otherwise empty."""
     return next((bone.name for bone in armature.data.bones if bone.name.lower() in _ROOT_NAMES
                  and _below(armature, bone.name) & set(names)), "")
 
 
 def common_root(armature: bpy.types.Object, names: list[str]) -> str:
-    """The nearest bone that all others of these hang from; empty, where there is none: the armature itself."""
+    """The nearest common ancestor of these bones; empty if there is none: the armature itself."""
     known = armature.data.bones
     first = known[names[0]] if names else None
     for bone in [first, *first.parent_recursive] if first is not None else ():
@@ -67,7 +67,7 @@ def common_root(armature: bpy.types.Object, names: list[str]) -> str:
 
 
 def choose_by_default(obj: bpy.types.Object) -> None:
-    """For a first pose: the shape keys that move the mesh, and bones, unless the pose is one of keys alone."""
+    """Choose keys and bones for the first pose: shape keys that move the mesh, and bones unless only keys are posed."""
     names = maps_keys.moving(obj)
     maps_keys.choose(obj.rumple_maps.keys, names)
     armature = obj.find_armature()
@@ -76,14 +76,15 @@ def choose_by_default(obj: bpy.types.Object) -> None:
 
 
 def _has_moved(obj: bpy.types.Object, armature: bpy.types.Object, keys: list[str]) -> bool:
-    """Bones are part of the pose: those of the face, where shape keys are set; else any."""
+    """Whether bones are part of the pose. If shape keys are set, only bones of the head count."""
     skinning = skinning_bones(obj, armature)
     head = _head(armature, skinning)
     return bool(head and _move(obj, armature, head, skinning)) or not maps_keys.are_set(obj, keys)
 
 
 def choose_bones_by_default(obj: bpy.types.Object) -> None:
-    """The selected bones in Pose Mode, else all skinning bones below the root. The root as well, where none is set."""
+    """Choose the selected bones in Pose Mode, otherwise all skinning bones below the root. Also choose the root if none
+    is set."""
     settings, armature = obj.rumple_maps, armature_of(obj)
     skinning, selected = skinning_bones(obj, armature), _selected(armature)
     wanted = [name for name in selected if name in skinning] or skinning
@@ -99,7 +100,7 @@ def _selected(armature: bpy.types.Object) -> list[str]:
 
 
 def _guessed_root(obj: bpy.types.Object, armature: bpy.types.Object, names: list[str], selected: bool) -> str:
-    """The head, if what is compared hangs from it and moves there now; else what all of it hangs from."""
+    """The head, if the compared bones are its descendants and are posed; otherwise their common ancestor."""
     head, common = _head(armature, names), common_root(armature, names)
     if selected:
         return head if head and set(names) - {head} <= _below(armature, head) else common
@@ -109,7 +110,7 @@ def _guessed_root(obj: bpy.types.Object, armature: bpy.types.Object, names: list
 
 
 def _move(obj: bpy.types.Object, armature: bpy.types.Object, root: str, names: list[str]) -> bool:
-    """A bone that hangs from root is elsewhere than at rest, seen from root."""
+    """Whether a descendant of root differs from its rest pose, relative to root."""
     below = [name for name in names if name in _below(armature, root) and name != root]
     if not below:
         return False
@@ -119,7 +120,7 @@ def _move(obj: bpy.types.Object, armature: bpy.types.Object, root: str, names: l
 
 # ---------------------------------------------------------------- the rig as data
 class _Pose:
-    """Bones of a stored or present pose as arrays, by name. Armature space."""
+    """Bones of a stored or current pose as arrays, by name. Armature space."""
 
     def __init__(self, names: list[str], heads: np.ndarray, tails: np.ndarray, matrices: dict[str, np.ndarray]) -> None:
         self.index = {name: place for place, name in enumerate(names)}
@@ -127,7 +128,8 @@ class _Pose:
         self.matrices = matrices
 
     def relative(self, obj: bpy.types.Object, root: str, names: list[str], otherwise: np.ndarray | None) -> np.ndarray:
-        """(b, 6) in root space; bones that this pose lacks as in `otherwise`. A pose of shape keys lacks all."""
+        """(b, 6) in root space. Bones that this pose lacks are taken from `otherwise`. A pose of shape keys lacks
+        all."""
         known = [place for place, name in enumerate(names) if name in self.index]
         matrix = self.matrices[root] if root else np.eye(4, dtype=np.float32)
         here = self.points[[self.index[names[place]] for place in known]]
@@ -136,7 +138,7 @@ class _Pose:
         return found
 
     def carry(self, affine: np.ndarray, scale: float) -> None:
-        """As an affine map (3, 4) has it, which turns and scales. Matrices of bones stay as long: Blender's do."""
+        """Apply an affine map (3, 4) that rotates and scales. Matrices of bones are not scaled, as in Blender."""
         self.points = transforms.placed(affine, self.points.reshape(-1, 3)).reshape(-1, 6).astype(np.float32)
         for matrix in self.matrices.values():
             columns = transforms.turned(affine[:, :3] / scale, matrix[:3, :3].T)
@@ -145,7 +147,8 @@ class _Pose:
 
 
 def _read(bones: Any, head: str, tail: str, matrix: Any, root: str) -> _Pose:
-    """From a collection of bones: the names of its properties, and of the root's matrix how to get it."""
+    """Read a collection of bones. head, tail: names of properties; matrix: a function that returns the root's
+    matrix."""
     heads, tails = (np.empty(3 * len(bones), np.float32) for _ in range(2))
     bones.foreach_get(head, heads)
     bones.foreach_get(tail, tails)
@@ -166,8 +169,8 @@ def _present(armature: bpy.types.Object, root: str) -> _Pose:
 
 
 def present(obj: bpy.types.Object, rig: PoseRig) -> tuple[np.ndarray, np.ndarray]:
-    """(b, 6) heads and tails in root space of an evaluated armature, (m,) values of shape keys, as they are shown.
-    Raises UserError where one is gone."""
+    """(b, 6) heads and tails of the evaluated armature in root space, and (m,) evaluated values of shape keys. Raises
+    UserError if one is missing."""
     values = maps_keys.values(obj)
     gone = [key.name for key in rig.keys if key.name not in values]
     if gone:
@@ -185,7 +188,7 @@ def present(obj: bpy.types.Object, rig: PoseRig) -> tuple[np.ndarray, np.ndarray
 
 
 def rig_of(obj: bpy.types.Object) -> tuple[PoseRig, list[str]]:
-    """The rig as the core wants it, and what is odd about it. Raises UserError where nothing can be compared."""
+    """The rig for the core, and warnings. Raises UserError if nothing can be compared."""
     settings = obj.rumple_maps
     notes: list[str] = []
     if not settings.bones and not settings.keys:
@@ -207,7 +210,7 @@ def rig_of(obj: bpy.types.Object) -> tuple[PoseRig, list[str]]:
 
 # --- its bones
 def _tracked_bones(obj: bpy.types.Object, optional: bool, notes: list[str]) -> list[TrackedBone]:
-    """Those of the chosen bones that are there. optional: shape keys are compared as well."""
+    """The chosen bones that exist. optional: shape keys are compared too."""
     settings, armature = obj.rumple_maps, obj.find_armature()
     if not settings.bones:
         return []
@@ -265,7 +268,7 @@ def _note_unknown(obj: bpy.types.Object, pose: str, unknown: list[str], notes: l
 
 # --- its shape keys
 def _tracked_keys(obj: bpy.types.Object, notes: list[str]) -> list[TrackedKey]:
-    """Those of the chosen keys that are there."""
+    """The chosen keys that exist."""
     settings, known = obj.rumple_maps, {block.name for block in maps_keys.blocks(obj)}
     lost = [key.name for key in settings.keys if key.name not in known]
     why = f"{obj.name}: it has no shape key {_listed(lost)}: renamed or deleted? It is left out"
@@ -279,7 +282,8 @@ def _tracked_keys(obj: bpy.types.Object, notes: list[str]) -> list[TrackedKey]:
 
 
 def _place_keys(obj: bpy.types.Object, rig: PoseRig, keys: list[TrackedKey], notes: list[str]) -> None:
-    """Only keys that some pose has elsewhere than the neutral face: the others have no influence, and cost time."""
+    """Add the keys that differ from the neutral pose in some pose. Other keys have no influence, and would cost
+    time."""
     settings, names = obj.rumple_maps, [key.name for key in keys]
     neutral = maps_keys.of_records(settings.neutral_keys)
     if neutral:
@@ -302,7 +306,7 @@ def _place_keys(obj: bpy.types.Object, rig: PoseRig, keys: list[TrackedKey], not
 
 def _note_constant(obj: bpy.types.Object, names: list[str], rest: np.ndarray, table: np.ndarray, notes: list[str]
                    ) -> None:
-    """A key that has the same value in every pose makes the person, not the pose."""
+    """Warn about keys with the same value in every pose: they belong to the person, not to a pose."""
     if len(table) > 1:
         same = (np.abs(table - table[0]) < _SAME).all(0) & (np.abs(table[0] - rest) > maps_keys.SET)
         constant = [names[place] for place in np.flatnonzero(same)]
@@ -312,7 +316,8 @@ def _note_constant(obj: bpy.types.Object, names: list[str], rest: np.ndarray, ta
 
 
 def at_rest(obj: bpy.types.Object, rig: PoseRig) -> np.ndarray:
-    """(7 b + 17,) or none without bones: all of a rig that a skeleton is made of (hidden_meshes.py). Armature space."""
+    """(7 b + 17,), or (0,) without bones: all values of a rig that a skeleton depends on (hidden_meshes.py). Armature
+    space."""
     if not rig.bones:
         return np.zeros(0, np.float32)
     known, names = armature_of(obj).data.bones, [bone.name for bone in rig.bones]
@@ -323,7 +328,7 @@ def at_rest(obj: bpy.types.Object, rig: PoseRig) -> np.ndarray:
 
 
 def is_rigid(bone: bpy.types.Bone) -> bool:
-    """An Armature modifier moves every point of its vertex group as it moves the bone."""
+    """Whether an Armature modifier moves every point of its vertex group exactly like the bone."""
     return bone.use_deform and bone.bbone_segments == 1 and not bone.use_envelope_multiply
 
 
@@ -345,7 +350,7 @@ def weights_of(obj: bpy.types.Object, rig: PoseRig) -> SkinWeights:
 
 
 def _skin_weights(obj: bpy.types.Object, rig: PoseRig) -> SkinWeights:
-    """Walks all vertices: 1 ms per 1000."""
+    """Weights of the bones. Cost: 1 ms per 1,000 vertices."""
     tracked = {bone.name: place for place, bone in enumerate(rig.bones)}
     deforming = set(skinning_bones(obj, armature_of(obj))) | tracked.keys()
     column = {group.index: tracked.get(group.name, -1) for group in obj.vertex_groups if group.name in deforming}
@@ -362,7 +367,7 @@ def _skin_weights(obj: bpy.types.Object, rig: PoseRig) -> SkinWeights:
 
 # ---------------------------------------------------------------- images
 def image_notes(obj: bpy.types.Object) -> list[str]:
-    """What is odd about the wrinkle maps: missing, empty, of different sizes, read as colours."""
+    """Warnings about the wrinkle maps: missing, empty, of different sizes, read as colours."""
     notes, first = [], None
     for pose in obj.rumple_maps.poses:
         image = pose.image
@@ -382,6 +387,6 @@ def image_notes(obj: bpy.types.Object) -> list[str]:
 
 
 def usable_images(obj: bpy.types.Object) -> list[bpy.types.Image | None]:
-    """The map of every pose; None where it has none or it cannot be read, so that it does not count."""
+    """The map of every pose; None if it is missing or cannot be read, and so is not used."""
     return [pose.image if pose.image is not None and tuple(pose.image.size)[0] else None
             for pose in obj.rumple_maps.poses]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What is kept from frame to frame for every object with Wrinkle Maps, outside the file."""
+"""Runtime data of every object with Wrinkle Maps, which is not stored in the file."""
 from __future__ import annotations
 
 from dataclasses import dataclass
@@ -13,10 +13,10 @@ class Runtime(RuntimeBase):
     """One object with Wrinkle Maps."""
 
     comparison: PoseComparison | None = None
-    shape: str = ""  # fingerprint of what it was made from
-    unsure: bool = False  # its mesh changed with the frame, maybe by its shape keys alone: compare when it rests
-    written: tuple | None = None  # gain and strengths that the skin has
-    seen: tuple | None = None  # the present bones, and what presence was found for them
+    shape: str = ""  # fingerprint of its inputs
+    unsure: bool = False  # its mesh changed with the frame, perhaps only by shape keys: check it when playback stops
+    written: tuple | None = None  # gain and strengths in the skin
+    seen: tuple | None = None  # the last bones and keys, and the presence for them
 
     def invalidate_output(self) -> None:
         self.written = None

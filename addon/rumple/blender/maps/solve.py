@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A frame of the Wrinkle Maps. The rules that keep Blender from crashing are those of frame/solve.py.
+"""Handles a frame of the Wrinkle Maps. It follows the rules in frame/solve.py that prevent crashes of Blender.
 
-Nodes compute the masks (nodes/maps_mask_tree.py). The handler only sees to what they cannot: gain, strength, mute and
-solo where they change, and weights, bones or poses that were edited.
+Nodes compute the masks (nodes/maps_mask_tree.py). The handler only does what nodes cannot: it writes changed gain,
+strength, mute and solo, and notices edited weights, bones or poses.
 """
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from .runtimes import Runtime
 
 
 def process(_scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
-    """Gain and strengths of what this depsgraph shows. Never raises."""
+    """Write gain and strengths of the objects in this depsgraph. Never raises."""
     if not scheduler.may_process(depsgraph):
         return
     with LOCK:
@@ -55,5 +55,5 @@ def _process(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier, runtime:
         return
     skin = maps_modifier.skin(nodes_mod)
     if maps_meshes.made_from(skin, runtime.shape):
-        # The evaluated copy: animated settings are right there, in renders too.
+        # The evaluated copy has the right animated settings, in renders too.
         rebuild.write_gain(skin, runtime, obj.evaluated_get(depsgraph).rumple_maps)

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Reference poses as they are stored with an object: bones and shape keys, by their names.
+"""Reads, writes and applies reference poses that are stored with an object: bones and shape keys, by name.
 
-Bones are stored in armature space, which Apply (Ctrl A) of the armature's scale, rotation or location changes. So where
-each bone was at rest is stored with it. Whoever reads the pose compares that with the bones as they rest now; nothing
-has to be written when they change, and undo and linked poses need no care.
+Bones are stored in armature space. Apply (Ctrl A) of the armature's scale, rotation or location changes this space. So
+the rest position of each bone is stored too. A reader compares it with the current rest position. Nothing must be
+written after such a change, and undo and linked poses need no special treatment.
 """
 from __future__ import annotations
 
@@ -31,12 +31,12 @@ def of_neutral(settings: bpy.types.PropertyGroup) -> Records:
 
 
 def is_captured(settings: bpy.types.PropertyGroup) -> bool:
-    """The neutral pose is not rest."""
+    """Whether a neutral pose was captured; otherwise it is the rest pose."""
     return any(map(len, of_neutral(settings)))
 
 
 def store(records: Records, obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> None:
-    """The present pose: all bones of the armature, where there is one, and all shape keys."""
+    """Store the current pose: all bones of the armature, if there is one, and all shape keys."""
     armature = obj.find_armature()
     bones: list[StoredBone] = []
     if armature is not None:
@@ -48,7 +48,7 @@ def store(records: Records, obj: bpy.types.Object, depsgraph: bpy.types.Depsgrap
 
 
 def read(records: Records) -> Stored:
-    """What write() takes."""
+    """A stored pose, as an argument for write()."""
     bones, keys = records
     return ([(r.name, tuple(r.head), tuple(r.tail), tuple(r.matrix), tuple(r.basis), tuple(r.rest))
              for r in bones],
@@ -56,7 +56,8 @@ def read(records: Records) -> Stored:
 
 
 def write(records: Records, stored: Stored) -> None:
-    """In place, item by item: of a linked pose a library override keeps values, not other items."""
+    """Write a pose item by item, in place, because a library override of a linked pose keeps values, but not new
+    items."""
     bones, keys = stored
     for name, *values in bones:
         record = _record(records[0], name)
@@ -89,7 +90,7 @@ def _flat(matrix: Any) -> list[float]:
 def _rests(armature: bpy.types.Object) -> dict[str, np.ndarray]:
     """Bone -> (9,) float32: head, tail and a point on its x axis, as far from the head as the tail. Armature space.
 
-    Three points, for one bone is to tell how large and which way the rig is.
+    Three points, so that a single bone is enough to find scale and rotation of the rig.
     """
     bones = armature.data.bones
     matrices, lengths = np.empty(16 * len(bones), np.float32), np.empty(len(bones), np.float32)
@@ -101,9 +102,9 @@ def _rests(armature: bpy.types.Object) -> dict[str, np.ndarray]:
 
 
 def remember_rest(obj: bpy.types.Object) -> None:
-    """For poses of files in which no rest is stored: that of now, as long as nothing is applied. Structural work.
+    """Store the current rest positions for poses of older files that lack them. Structural work.
 
-    Not in a library override: what is linked may get its own later, which the override would hide.
+    Not in a library override: the linked file may get its own later, which the override would hide.
     """
     settings, armature = obj.rumple_maps, obj.find_armature()
     if armature is None or not compat.is_editable(obj) or obj.override_library is not None:
@@ -116,8 +117,8 @@ def remember_rest(obj: bpy.types.Object) -> None:
 
 
 def applied_since(records: Any, armature: bpy.types.Object) -> np.ndarray | None:
-    """(3, 4): what has moved most bones of an armature at rest since a pose was stored, both in armature space. None
-    where they are where they were, were edited, or it is not known where they were."""
+    """(3, 4): the affine map that moved most bones at rest since a pose was stored, in armature space. None if they did
+    not move, were edited, or if their former positions are not known."""
     former = np.empty(9 * len(records), np.float32)
     records.foreach_get("rest", former)
     rests = _rests(armature)
@@ -129,21 +130,21 @@ def applied_since(records: Any, armature: bpy.types.Object) -> np.ndarray | None
     if np.array_equal(before, now):
         return None
     moved = transforms.affine_between(before.reshape(-1, 3), now.reshape(-1, 3))
-    if moved is None:  # the x axis of a bone that is stretched is not where its point went
+    if moved is None:  # without the points on x axes, which do not move with a stretched bone
         moved = transforms.affine_between(before[:, :6].reshape(-1, 3), now[:, :6].reshape(-1, 3))
     return moved
 
 
 # ---------------------------------------------------------------- going there
 def go_to(records: Records, obj: bpy.types.Object) -> tuple[list[str], list[str]]:
-    """Set bones and shape keys as stored; returns the names of bones and of keys that are not there."""
+    """Set bones and shape keys as stored. Returns the names of missing bones and of missing keys."""
     armature = obj.find_armature()
     missing = [] if armature is None else pose_bones(records[0], armature)
     return missing, maps_keys.set_values(obj, maps_keys.of_records(records[1]))
 
 
 def pose_bones(records: Any, armature: bpy.types.Object) -> list[str]:
-    """Put the bones of an armature where a stored pose has them; returns the names it does not have."""
+    """Set the bones of an armature to a stored pose. Returns the names of missing bones."""
     from mathutils import Matrix
     missing = []
     applied = applied_since(records, armature)

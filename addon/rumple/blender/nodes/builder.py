@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Nodes by code: what every tree of ours is written with."""
+"""Helpers that build node trees by code."""
 from __future__ import annotations
 
 from typing import Any, Iterable
@@ -12,8 +12,8 @@ Socket: Any = bpy.types.NodeSocket
 
 
 def empty_modifier_group(group: bpy.types.NodeTree, inputs: Iterable[tuple[str, str]]) -> None:
-    """Remove the nodes of a modifier's group and add the sockets that it lacks: a geometry goes out. inputs: names and
-    socket types. Sockets that are there stay, so that modifiers keep their values."""
+    """Remove the nodes of a modifier's group, and add missing sockets: the inputs, and a geometry as output. inputs:
+    names and socket types. Existing sockets stay, so that modifiers keep their values."""
     group.nodes.clear()
     present = compat.group_sockets(group, "INPUT")
     for name, socket_type in inputs:
@@ -25,10 +25,10 @@ def empty_modifier_group(group: bpy.types.NodeTree, inputs: Iterable[tuple[str, 
 
 
 class Nodes:
-    """Adds nodes from left to right; every method returns the output socket of what it added."""
+    """Adds nodes from left to right. Every method returns the output socket of its node."""
 
     ROWS = 6  # nodes below one another
-    WIDTH, HEIGHT = 180.0, 160.0  # of a node and what is free around it
+    WIDTH, HEIGHT = 180.0, 160.0  # of a node with the free space around it
 
     def __init__(self, group: bpy.types.NodeTree) -> None:
         self.group = group
@@ -43,7 +43,7 @@ class Nodes:
         return node
 
     def put(self, value: object, target: Socket) -> None:
-        """A link, or a constant."""
+        """Connect a socket, or set a constant."""
         if isinstance(value, Socket):
             self.group.links.new(value, target)
         else:
@@ -76,7 +76,7 @@ class Nodes:
 
 
 class GeometryNodes(Nodes):
-    """The same of geometry nodes."""
+    """Like Nodes, for geometry nodes."""
 
     def link(self, output: Socket, node: bpy.types.Node, name: str) -> None:
         self.group.links.new(output, compat.socket(node.inputs, name))
@@ -158,7 +158,7 @@ class GeometryNodes(Nodes):
         return compat.socket(node.outputs, "Output")
 
     def without(self, fine: Socket, name: str) -> Socket:
-        """Later modifiers need not carry what only this tree reads."""
+        """Remove an attribute that only this tree reads, so that later modifiers need not carry it."""
         node = self.node("GeometryNodeRemoveAttribute")
         self.link(fine, node, "Geometry")
         node.inputs["Name"].default_value = name
@@ -170,7 +170,7 @@ class GeometryNodes(Nodes):
         return size.outputs["Point Count" if domain == "POINT" else "Face Corner Count"]
 
     def object_info(self, obj: Socket) -> bpy.types.NodeOutputs:
-        """Of an object: "Geometry" in its own space, "Location" in that of its parent or the world."""
+        """Outputs about an object: "Geometry" in its own space, "Location" in the space of its parent or the world."""
         info = self.node("GeometryNodeObjectInfo")
         self.link(obj, info, "Object")
         return info.outputs

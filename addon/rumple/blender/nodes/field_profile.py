@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The profile that an artist draws: half a wave, from crest (left) to valley (right).
 
-Blender has curves in nodes only, so one lives in a hidden node group, pointed to by object.rumple.profile_curve.
-Blender reports no edits of it: the panel that shows it compares it with what is in use whenever it is drawn.
+Blender has such curves only in nodes. So the curve is in a hidden node group, object.rumple.profile_curve. Blender does
+not report edits of it. So the panel compares it with the curve in use whenever it is drawn.
 """
 from __future__ import annotations
 
@@ -17,11 +17,11 @@ from .. import compat
 
 NAME = "Rumple Profile"
 NODE = "Profile"
-FIRST_POINTS = 7  # of a new curve: a sine
+FIRST_POINTS = 7  # points of a new curve, which is a sine
 
 
 def ensure(obj: bpy.types.Object) -> None:
-    """Give an object a curve of its own; a duplicate's is copied."""
+    """Give an object its own curve. A duplicate gets a copy."""
     shared = obj.rumple.profile_curve
     if shared is not None and not any(o.rumple.profile_curve == shared for o in bpy.data.objects if o != obj):
         return
@@ -59,7 +59,7 @@ def heights(obj: bpy.types.Object) -> np.ndarray:
 
 
 def key(obj: bpy.types.Object) -> str:
-    """The name of an object's profile: equal where the tables are."""
+    """A key of an object's profile. Equal keys have equal tables."""
     kind = obj.rumple.field.profile
     if kind != "CURVE":
         return kind
@@ -73,7 +73,7 @@ def table(obj: bpy.types.Object) -> object:
 
 
 def drop_orphans() -> None:
-    """Curves that no object points to."""
+    """Remove curves that no object uses."""
     used = {obj.rumple.profile_curve for obj in bpy.data.objects}
     for group in [g for g in bpy.data.node_groups if NODE in g.nodes and g.name.startswith(NAME)]:
         if group not in used and compat.is_editable(group):
