@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What every function of the C library does: catch what is thrown, look at what came through pointers.
+// Helpers for every function of the C library: catch exceptions, check arguments.
 #pragma once
 
 #include <cstddef>
@@ -15,10 +15,10 @@
 
 namespace rumple::api {
 
-// The exception that is being handled, as a status and as the text of this thread. Allocates nothing.
+// Turns the current exception into a status, and sets this thread's error message. It allocates nothing.
 rumple_status keep_exception() noexcept;
 
-// Runs the work of a call. Nothing that it throws goes on.
+// Runs the work of a call. No exception leaves it.
 template <typename Work>
 rumple_status guarded(Work&& work) noexcept {
     try {
@@ -29,14 +29,14 @@ rumple_status guarded(Work&& work) noexcept {
     }
 }
 
-// What must be there.
+// A pointer argument that must not be NULL.
 template <typename T>
 T& given(T* pointer, const char* name) {
     if (!pointer) throw InvalidInput(std::string(name) + ": expected a pointer, got NULL");
     return *pointer;
 }
 
-// A call that makes a handle. make: returns it, new.
+// A call that makes a handle. make: returns the new object.
 template <typename Handle, typename Make>
 rumple_status made(Handle** out, const char* name, Make&& make) noexcept {
     return guarded([&] {
@@ -45,7 +45,7 @@ rumple_status made(Handle** out, const char* name, Make&& make) noexcept {
     });
 }
 
-// `count` rows of an array of the caller.
+// `count` rows of the caller's array.
 template <typename Row, typename Scalar>
 std::span<const Row> rows(const Scalar* data, size_t count, const char* name) {
     static_assert(std::is_trivially_copyable_v<Row> && sizeof(Row) % sizeof(Scalar) == 0);
@@ -74,11 +74,11 @@ std::vector<T> copied(std::span<const T> from) {
 void expect_rows(const char* name, size_t count, size_t expected);
 // ... or none.
 void expect_rows_or_none(const char* name, size_t count, size_t expected);
-// Places on a mesh of so many triangles: weights of corners 1 and 2, a step beside the triangle allowed. Far
-// beyond it, what is interpolated is no number.
+// Checks places on a mesh with this number of triangles. Weights of corners 1 and 2 may be a little outside
+// of the triangle. Far outside, interpolated values would not be finite.
 void expect_places(std::span<const Index> triangles, std::span<const Vec2> barycentric, size_t count);
 
-// An array of the caller that is written: exactly `expected` rows.
+// An output array of the caller, with exactly `expected` rows.
 template <typename Row, typename Scalar>
 std::span<Row> output(Scalar* data, size_t count, size_t expected, const char* name) {
     expect_rows(name, count, expected);
@@ -103,7 +103,7 @@ int32_t count(const std::vector<T>& of) {
     return static_cast<int32_t>(of.size());
 }
 
-// A choice that came as a number. last: its last one.
+// A choice that was given as a number. last: the last valid one.
 template <typename Choice>
 Choice choice(int32_t number, Choice last, const char* name) {
     if (number < 0 || number > static_cast<int32_t>(last)) {
@@ -113,7 +113,8 @@ Choice choice(int32_t number, Choice last, const char* name) {
     return static_cast<Choice>(number);
 }
 
-// What was made for a model, or none. A handle of another model is refused, even of one that is the same.
+// An object that was made for a model, or none. A handle of another model is refused, even if both models are
+// equal.
 template <typename Handle, typename Model>
 const Handle* of_model(const Handle* handle, const Model& model, const char* name) {
     if (handle && handle->model.get() != model.model.get())

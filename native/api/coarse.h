@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What is behind the handle of a coarse mesh, for the layers over it.
+// The type behind the handle of a coarse mesh, for the layers on it.
 #pragma once
 
 #include "api/handles.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What is behind the handles that several systems use.
+// The types behind the handles that several systems use.
 #pragma once
 
 #include <memory>
@@ -22,21 +22,21 @@ struct rumple_surface {
     const rumple::Surface& surface;
 };
 
-// Part of a model's handle. What a view cannot point at is kept beside it.
+// Part of a model's handle. It also stores arrays for views that the model has in another format.
 struct rumple_shown_mesh {
     explicit rumple_shown_mesh(const rumple::ShownMesh& shown);
 
     const rumple::ShownMesh& mesh;
     std::vector<rumple::Vec2> barycentric;
-    size_t source_vertices;  // that are read: 1 + the last one
+    size_t source_vertices;  // number of source vertices that are read: 1 + the last one
     size_t source_corners;
 };
 
 struct rumple_collider {
     explicit rumple_collider(rumple::Collider&& of) : collider(std::move(of)) {}
 
-    // In the pose of a frame. The one of the call before, where that is the same to the bit: the base cloth
-    // and the layers of a frame ask one after the other. From any number of threads.
+    // The collider in the pose of a frame. If the positions equal those of the last call bit for bit, its
+    // result is reused, because the base cloth and the layers of a frame need the same. Thread-safe.
     std::shared_ptr<const rumple::PosedCollider> in(std::span<const rumple::Vec3> positions) const;
 
     const rumple::Collider collider;
@@ -60,7 +60,7 @@ struct rumple_frame {
 
 namespace rumple::api {
 
-// The shown mesh of a model, and that of viewports where it has one.
+// The shown mesh of a model, and the one for viewports if it has one.
 struct ShownMeshes {
     template <typename Model>
     explicit ShownMeshes(const Model& model) : in_renders(model.shown) {
@@ -74,13 +74,13 @@ struct ShownMeshes {
     std::optional<rumple_shown_mesh> in_viewports;
 };
 
-// A frame that was made for a model, which keeps it.
+// A frame that was made for a model. It keeps the model alive.
 template <typename Model, typename Picture>
 rumple_frame* new_frame(const std::shared_ptr<const Model>& model, Picture&& picture) {
     return new rumple_frame{model, model->base, model->shown, std::forward<Picture>(picture)};
 }
 
-// The same of a model that has two shown meshes.
+// The same for a model with two shown meshes.
 template <typename Model>
 rumple_frame* new_frame(const std::shared_ptr<const Model>& model, ShownFrame&& frame, bool in_viewport) {
     return new rumple_frame{model, model->base, shown_mesh(*model, in_viewport), std::move(frame)};
@@ -93,11 +93,11 @@ rumple_fine_plan fine_plan(const FineSource& source);
 // Bodies of a frame, posed; none for none. The collider must outlive them.
 std::shared_ptr<const PosedCollider> posed(const rumple_bodies* bodies);
 
-// Positions of a frame, and when it is.
+// Positions and time of a frame.
 std::span<const Vec3> positions_of(const rumple_pose* pose);
 FrameTime frame_time_of(const rumple_pose* pose);
 
-// Copies of the arrays of a frame: a pose outlives the call that made it.
+// Copies of a frame's arrays, because a pose outlives the call that made it.
 struct FrameArrays {
     explicit FrameArrays(const rumple_pose* frame);
     FrameTime frame_time() const { return {time, labels, next_positions, next_time}; }
@@ -124,7 +124,7 @@ rumple_status made_pose(const Model* model, const rumple_pose* frame, Handle** p
 std::vector<float> painted(const float* data, size_t count, const Surface& base, const char* name,
                            double least = 0.0, double most = 1.0);
 
-// The settings and the state of a rest shape that adapts.
+// The settings and the state of an adaptive rest shape.
 template <typename Pair>
 void pair_reference(rumple_reference_settings& c, ReferenceSettings& native, const Pair& pair) {
     pair.choose("reference", c.reference, native.reference, Reference::kStaticRest);

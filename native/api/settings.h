@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Settings stand in C and in C++. A function pair_fields(c, native, pair) names every field once; which
-// `pair` it gets says in which direction they are copied.
+// Conversion of settings between C and C++. A function pair_fields(c, native, pair) lists every field once.
+// The given `pair` determines the direction of the copy.
 #pragma once
 
 #include "api/call.h"
@@ -42,7 +42,7 @@ Native native_of(const C* settings, const char* name) {
     return native;
 }
 
-// The defaults, which stand in C++.
+// The defaults, which are defined in C++.
 template <typename C, typename Native>
 C default_of(Native native = {}) {
     C c{};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Every struct of the header, for rumple_struct_size(). A test compares the list with the header.
+// The list of all structs of the headers, for rumple_struct_size(). A test compares it with the headers.
 #pragma once
 
 #include <cstddef>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What the library gives back is finite, or it gives nothing back. So no frame, however wild, gets into a
-// stored state: the caller keeps the state before it, and goes on from there.
+// Checks that results are finite. If not, the call fails, so that a bad frame never gets into a stored state.
+// The caller keeps the state before it, and continues from there.
 #pragma once
 
 #include <span>
@@ -26,7 +26,7 @@ Floats floats_of(const std::vector<Row>& rows) {
 
 bool all_finite(Floats values);
 
-// The floats of what is given back.
+// The floats of a result.
 std::vector<Floats> floats_in(const base_cloth::Result& of);
 std::vector<Floats> floats_in(const wrinkle_mesh::State& of);
 std::vector<Floats> floats_in(const wrinkle_mesh::LayersState& of);
@@ -55,16 +55,16 @@ bool is_sound(const T& value) {
     return true;
 }
 
-// The value itself, where it is finite.
+// The value itself, if it is finite.
 template <typename T>
 T sound(T value) {
     if (!is_sound(value)) refuse_unsound();
     return value;
 }
 
-// A frame from the state before it. solve(before): NULL is the canonical start. Where a state, finite itself,
-// leads to what is not (cloth that flew away with a vertex gone astray), the frame starts anew: no state is
-// the end of all frames after it.
+// Solves a frame from the state before it. solve(before): NULL is the canonical start. A finite state may
+// lead to a result that is not finite, for example if one bad vertex made cloth fly away. Then the frame is
+// solved from the canonical start, so that later frames can be solved again.
 template <typename State, typename Solve>
 auto sound_from(const State* before, Solve&& solve) {
     auto solved = solve(before);
@@ -72,8 +72,8 @@ auto sound_from(const State* before, Solve&& solve) {
     return sound(std::move(solved));
 }
 
-// What is read: throws InvalidInput, with the first element that is not within [low, high]; or, where that is
-// allowed, not infinite.
+// Checks input: throws InvalidInput about the first element that is not within [low, high], unless infinity
+// is allowed and it is infinite.
 void expect_range(const std::string& name, Floats values, double low, double high);
 void expect_numbers(const std::string& name, Floats values);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What is behind the handles of the Wrinkle Field, for its brush.
+// The types behind the handles of the Wrinkle Field, for its brush.
 #pragma once
 
 #include "api/handles.h"
@@ -9,7 +9,7 @@ struct rumple_wrinkle_field {
 
     std::shared_ptr<const rumple::wrinkle_field::Model> model;
     rumple_shown_mesh shown;
-    // What a view cannot point at in the model.
+    // Arrays for views that the model has in another format.
     std::vector<rumple::Index> neighbours;
     std::vector<rumple::Vec2> gradients;
     std::vector<rumple::Index> triangles;
@@ -37,7 +37,7 @@ namespace rumple::api {
 
 wrinkle_field::Settings field_settings(const rumple_wrinkle_field_settings* settings);
 wrinkle_field::Profile profile_in(const rumple_wrinkle_field_profile* profile);
-// NULL: nothing is painted.
+// NULL: no paint.
 const wrinkle_field::Paint& paint_in(const rumple_wrinkle_field& model,
                                      const rumple_wrinkle_field_paint* paint);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What is behind the handles of the layers.
+// The types behind the handles of the layers.
 #pragma once
 
 #include "api/handles.h"

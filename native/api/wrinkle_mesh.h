@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What is behind the handles of the Wrinkle Mesh, for the layers of it.
+// The types behind the handles of the Wrinkle Mesh, for its layers.
 #pragma once
 
 #include "api/handles.h"

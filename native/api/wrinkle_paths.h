@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What is behind the handles of the Wrinkle Paths.
+// The types behind the handles of the Wrinkle Paths.
 #pragma once
 
 #include <mutex>
@@ -35,7 +35,7 @@ struct rumple_wrinkle_paths_state {
     std::shared_ptr<const rumple::wrinkle_paths::Model> model;
     rumple::wrinkle_paths::State state;
 
-    // Made when they are asked for the first time, by whichever thread.
+    // Made by the first thread that needs them.
     const PathArrays& arrays() const;
 
   private:

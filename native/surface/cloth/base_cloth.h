@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The base cloth: the coarse mesh itself becomes cloth around its animation, so that what wrinkles hangs,
-// pulls taut and rests on the body. Mueller and Chentanez 2010, section 4.3: a simulated base whose edges
-// hardly resist compression. Here: the equilibrium of each pose, without inertia (Hang), by Newton's method
-// with conjugate gradients; swing.h has inertia. docs/base_cloth.md has the energy.
+// The base cloth: the coarse mesh itself becomes cloth around its animation, so that it hangs, pulls taut and
+// rests on the body. Mueller and Chentanez 2010, section 4.3: a simulated base whose edges hardly resist
+// compression. Here: the equilibrium of each pose, without inertia (Hang), by Newton's method with conjugate
+// gradients; swing.h has inertia. docs/base_cloth.md has the energy.
 #pragma once
 
 #include <array>
@@ -21,25 +21,25 @@ namespace rumple::base_cloth {
 // Stiffness is per mass of cloth: membrane stiffness (N/m) over mass per area (kg/m^2), in object units^2 /
 // s^2.
 struct Settings {
-    float stretch = 2000.0f;         // of what is longer than at rest, > 0
-    float strain_limit = 0.02f;      // beyond this strain stretch counts kBeyondLimit times, >= 0
-    float shear = 500.0f;            // of the diagonals of quads that are longer than at rest, >= 0
-    float compression = 15.0f;       // k1: of what is shorter than at rest, >= 0
-    float compression_limit = 0.7f;  // c_l: length over rest length below which k2 counts, 0..1
-    float folded = 30.0f;            // k2: of what is shorter than that, >= 0
-    float smoothing = 60.0f;         // against sides that turn away from their animated direction, >= 0
+    float stretch = 2000.0f;         // stiffness of edges that are longer than at rest, > 0
+    float strain_limit = 0.02f;      // beyond this strain, stretch is kBeyondLimit times as stiff, >= 0
+    float shear = 500.0f;            // stiffness of quad diagonals that are longer than at rest, >= 0
+    float compression = 15.0f;       // k1: stiffness of edges shorter than at rest, >= 0
+    float compression_limit = 0.7f;  // c_l: length / rest length below which k2 applies, 0..1
+    float folded = 30.0f;            // k2: stiffness of edges shorter than c_l, >= 0
+    float smoothing = 60.0f;    // resistance of edges against turning from their animated direction, >= 0
     float tube_radius = 0.07f;  // object units, > 0: around a tube of radius R these three count by the share
                                 // (tube_radius / R)^4, at most 1
     float flat_share = 1.0f;    // the least share, along tubes and of flat cloth, 0..1
-    float slack = 1.0f;         // length of the cloth over that of the modelled garment, > 0
-    Vec3 hang{0.0f};            // object space, length 0..1: along it there is no slack
-    float follow = 400.0f;      // pull back to the animation where nothing is pinned, 1/s^2, > 0
-    float room = 0.03f;         // farthest that a vertex leaves its animated place, object units, >= 0
-    float slide_room = 0.0f;  // the same along the surface, where that is more than room; object units, >= 0
-    float friction = 0.0f;    // coefficient of Coulomb's law, on what is worn under it, >= 0
+    float slack = 1.0f;         // length of the cloth / length of the modelled garment, > 0
+    Vec3 hang{0.0f};            // object space, length 0..1: in this direction there is no slack
+    float follow = 400.0f;      // pull towards the animation where nothing is pinned, 1/s^2, > 0
+    float room = 0.03f;         // largest distance of a vertex from its animated place, object units, >= 0
+    float slide_room = 0.0f;    // the same along the surface, if larger than room; object units, >= 0
+    float friction = 0.0f;      // coefficient of Coulomb friction on the bodies under it, >= 0
     Vec3 gravity{0.0f, 0.0f, -9.81f};  // object space, object units / s^2, finite
     ClearanceSettings clearance{};
-    int steps = 12;               // from a given state, most Newton steps, >= 0
+    int steps = 12;               // largest number of Newton steps from a given state, >= 0
     int start_steps = 30;         // from the animation, >= 0
     int most_cg_iterations = 30;  // of conjugate gradients (CG), in a Newton step, >= 0
 };
@@ -47,13 +47,13 @@ struct Settings {
 // Throws InvalidInput naming the first setting out of its range.
 void check(const Settings& settings);
 
-// Cloth that hangs free has so many times the room of what lies on a body.
+// The largest painted factor on room, for cloth that hangs free of the body.
 inline constexpr float kMostRoomFactor = 1e3f;
 
 // Painted factors per display vertex of the base. Empty: follow is 0, room is 1 everywhere.
 struct Paint {
     std::vector<float> follow;  // 0..1; 1: pinned to the animation
-    std::vector<float> room;    // 0..kMostRoomFactor, on room; on slide_room at most 1
+    std::vector<float> room;    // 0..kMostRoomFactor, factor on room; on slide_room at most 1
 };
 
 // Built once at rest, then immutable.
@@ -69,28 +69,28 @@ struct Model {
     };
     // In the order of their first ends, which come before the second ones.
     std::vector<Spring> springs;
-    std::vector<Index> order;  // of the vertices: along the cloth, breadth first from an end of each part
+    std::vector<Index> order;         // vertices in breadth-first order, from an end of each part
     std::vector<Index> spring_start;  // per place in the order, and the end: the first spring from there
-    // The same springs in their order, four at a time. The last ones have no weight, and no vertex: the one
-    // after all.
+    // The same springs in their order, in groups of four. The last group is filled with springs without
+    // weight, whose vertex is one past the last.
     struct SpringFour {
         std::array<Index, kLanes> a, b;
         Lanes rest{}, weight{};
         LaneMask diagonal{};
     };
     std::vector<SpringFour> spring_fours;
-    // Sweeps over the vertices in `order`, but for what does not count: each vertex comes behind its earlier
-    // neighbours, and those of one depth, which wait for none of one another, stand side by side: so a
+    // Sweeps over the vertices have the same result as in `order`. Each vertex comes after its earlier
+    // neighbours. Vertices of the same depth do not depend on each other, and are adjacent, so that a
     // processor computes several at a time.
     struct Sweep {
-        // Springs of a vertex. Where there are fewer than four, the others are one past the last spring and
-        // the last vertex.
+        // Springs of a vertex. If there are fewer than four, the others are one past the last spring and the
+        // last vertex.
         struct Four {
             std::array<Index, kLanes> other, spring;
         };
         std::vector<Index> vertex;
         std::vector<Index> earlier_start, later_start;  // per place, and the end: the first four
-        std::vector<Four> earlier;  // to vertices that are earlier in `order`, as they stand there
+        std::vector<Four> earlier;  // to vertices that are earlier in `order`, in this order
         std::vector<Four> later;    // to later ones
     };
     Sweep sweep;
@@ -106,11 +106,11 @@ struct Model {
 };
 std::shared_ptr<const Model> build(Surface surface);
 
-// How cloth that swings moved when its frame was solved (swing.h). Per welded vertex, object space of that
-// frame.
+// The motion of cloth with inertia when its frame was solved (swing.h). Per welded vertex, object space of
+// that frame.
 struct Motion {
     std::vector<Vec3> position;         // object units
-    std::vector<Vec3> velocity;         // object units / s, beside the locomotion that is not felt
+    std::vector<Vec3> velocity;         // object units / s, without the locomotion that causes no inertia
     std::vector<Vec3> animated;         // object units
     std::vector<Vec3> animated_before;  // in the frame before that
     float seconds = 0.0f;               // between these two
@@ -126,16 +126,17 @@ struct Motion {
     }
 };
 
-// What lives from frame to frame.
+// The values that the next frame starts from.
 struct State {
-    std::vector<Vec3> offset;  // per welded vertex, in the tangent frame of the animated vertex; not of Swing
+    std::vector<Vec3>
+        offset;  // per welded vertex, in the tangent frame of the animated vertex; not with inertia
     std::vector<float> length;        // of every spring in the pose that was solved
     std::vector<float> clearance;     // likewise
     std::vector<float> ahead_height;  // likewise
-    float moved = 0.0f;               // as in the report; 0 where it came no nearer to rest; object units
-    std::vector<Index> body_hint;     // speed only
+    float moved = 0.0f;               // as in the report, object units; 0 if the solve did not improve it
+    std::vector<Index> body_hint;     // only makes the next frame faster
     std::vector<Index> contact_hint;
-    Motion motion;  // of Swing only
+    Motion motion;  // only with inertia
 
     size_t bytes() const {
         return (offset.size() + motion.values()) * sizeof(Vec3) +
@@ -145,9 +146,9 @@ struct State {
 };
 
 struct Report {
-    int steps = 0;          // 0: the pose was held
+    int steps = 0;          // 0: the cloth was asleep, nothing was solved
     int cg_iterations = 0;  // of all steps
-    float moved = 0.0f;  // farthest way of a vertex in the last step, had it not been shortened, object units
+    float moved = 0.0f;     // largest movement of a vertex in the last full step, object units
     float offset_mean = 0.0f;
     float offset_max = 0.0f;
     float taut = 0.0f;        // share of the springs that are longer than at rest
@@ -164,9 +165,9 @@ struct Result {
     Report report;
 };
 
-// positions: animated, per display vertex, object space. bodies: or none. state: of the frame before, or
-// none. Throws InvalidInput. Deterministic. Cost: about 0.03 us a vertex and CG iteration, and 1 us a vertex
-// and step for contact.
+// Solves one frame. positions: animated, per display vertex, object space. bodies: or none. state: of the
+// frame before, or none. Throws InvalidInput. Deterministic. Cost: about 0.03 us per vertex and CG iteration,
+// and 1 us per vertex and step for contact.
 Result solve(const Model& model, const Settings& settings, const Paint& paint,
              std::span<const Vec3> positions, const PosedCollider* bodies, const State* state);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// How far the bare garment stands off what is worn under it.
+// The clearance between the bare garment and the bodies under it.
 #pragma once
 
 #include <vector>
@@ -11,13 +11,14 @@ namespace rumple {
 
 struct ClearanceSettings {
     float thickness = 0.003f;  // of the cloth: how far it stays off a body, object units, >= 0
-    float unknown = 0.01f;  // taken where no body is found: mostly because it was deleted, object units, >= 0
-    float reach = 0.06f;    // bodies farther away do not count, object units, > 0
-    float depth = 0.02f;    // a garment that is deeper inside a body stays there, object units, > 0
-    float spread = 0.06f;   // over this length what is known fades to `unknown`, object units, > 0
+    float unknown =
+        0.01f;  // clearance where no body is found, mostly because it was deleted; object units, >= 0
+    float reach = 0.06f;   // bodies farther away are ignored, object units, > 0
+    float depth = 0.02f;   // cloth deeper inside a body is not pushed out, object units, > 0
+    float spread = 0.06f;  // length over which clearance fades from bodies to `unknown`, object units, > 0
 };
 
-// What is fixed at rest: the sides of the welded mesh, by vertex.
+// The constant part, at rest: the sides of the welded mesh, by vertex.
 struct ClearanceModel {
     std::vector<Index> start{0};
     std::vector<Index> neighbour;
@@ -27,19 +28,19 @@ struct ClearanceModel {
 ClearanceModel build_clearance(const Surface& surface);
 
 struct Clearance {
-    // Per welded vertex: how far the cloth may go inwards from its place on the bare garment, along the
-    // vertex normal, object units; negative where the bare garment is inside the body and has to come out.
+    // Per welded vertex: how far the cloth may move inwards from its place on the bare garment, along the
+    // vertex normal, object units. Negative if the bare garment is inside the body and must move out.
     std::vector<float> inwards;
     float known = 0.0f;               // share of the vertices on faces that have a body under them
-    std::vector<BodyContact> bodies;  // per welded vertex: what is under it; weight 0 at `reach`. Or none
+    std::vector<BodyContact> bodies;  // per welded vertex: the body under it; weight 0 at `reach`; or none
 };
 
-// Where no body is found it is filled in from the vertices around, so that the inner surface has no seam.
+// Where no body is found, values are interpolated from the vertices around, so that the inner surface is
+// smooth.
 //   surface_points: of the vertices on the smooth bare garment; normals: unit. bodies: or none.
-//   free: empty, or how far inwards each vertex may go where it hangs free of the body, else 0, object units:
-//   it looks for a body so far, and may go so far where there is none.
-//   hints: the triangle found for every vertex in the frame before (empty: none); gets those of this frame.
-//   They make it faster and change nothing else.
+//   free: empty, or how far inwards each vertex may move where it hangs free of the body, else 0; object
+//   units. A body is searched up to this distance. hints: the triangle found for every vertex in the frame
+//   before (empty: none); receives those of this frame. They only make the search faster.
 // Cost: about 0.5 us a vertex.
 Clearance clearance(const ClearanceModel& model, const ClearanceSettings& settings,
                     std::span<const Vec3> surface_points, std::span<const Vec3> normals,

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A coarse cloth that is outside a body at its vertices may pass through it between them, where its smooth
-// surface cuts a corner. For what lies on the base cloth and knows no bodies itself.
+// Keeps the smooth surface of the base cloth off bodies. Even if all vertices are outside of a body, the
+// smooth surface may pass through it between them. It is for systems that do not handle bodies themselves.
 #pragma once
 
 #include <vector>
@@ -10,23 +10,23 @@
 
 namespace rumple {
 
-// Points of the smooth surface that are looked at: the vertices, and the middles of sides and polygons.
+// The tested points of the smooth surface: the vertices, and the middles of sides and polygons.
 struct CoverModel {
     Attachments samples;
 };
 CoverModel build_cover(const Surface& surface);
 
 struct CoverSettings {
-    float thickness = 0.003f;  // that the smooth surface is to stay off a body, object units, >= 0
-    float depth = 0.02f;       // what is deeper inside a body stays there: it is hidden, object units, > 0
+    float thickness = 0.003f;  // distance of the smooth surface from a body, object units, >= 0
+    float depth = 0.02f;  // cloth deeper inside a body is hidden there on purpose, and not pushed out; object
+                          // units, > 0
 };
 
-// How every vertex of the base, as the artist has it, has to move: outwards along its normal, object units.
-// The vertices of a triangle rise by what its deepest sample needs; twice, for the smooth surface rises less
-// than its cage.
-//   positions: of the base's vertices as the artist has them. hints: a triangle of the bodies near each, or
-//   kNone: none is looked for there. Throws InvalidInput when they do not match the surface, or a setting is
-//   out of its range.
+// How far every display vertex of the base must move outwards along its normal, object units. The vertices of
+// a triangle move as far as its deepest sample needs. This is done twice, because the smooth surface moves
+// less than its cage.
+//   positions: per display vertex. hints: a triangle of the bodies near each vertex; kNone: no body is
+//   searched. Throws InvalidInput if they do not match the surface, or if a setting is out of its range.
 // Cost: about 1 us a sample with a hint.
 std::vector<Vec3> lifts_over(const Surface& surface, const CoverModel& model, const CoverSettings& settings,
                              const PosedCollider& bodies, std::span<const Vec3> positions,

@@ -13,7 +13,7 @@ struct Border {
     Index part = 0;
     float height = 0.0f;      // of its centre, object units
     float radius = 0.0f;      // mean, around its centre, object units
-    bool is_opening = false;  // and not the outline of a sheet
+    bool is_opening = false;  // false: the outline of a sheet
 };
 
 // The connected parts of a garment, and their open borders.

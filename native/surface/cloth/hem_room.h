@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// How far cloth may move so that no hem lays bare what ends under it: the waistband of other trousers, skin
-// that was deleted further up.
+// How far cloth may move without uncovering borders under its hem, like the waistband of trousers, or the
+// border of deleted skin.
 #pragma once
 
 #include <span>
@@ -21,22 +21,23 @@ struct Hems {
     std::vector<Hem> all;
     std::vector<Index> part;                  // per welded vertex, or kNone (loose)
     std::vector<std::vector<Index>> of_part;  // the welded vertices of each connected part
-    float together = 0.0f;  // borders that lie nearer to one another go together, object units
+    float together = 0.0f;  // borders nearer to each other than this move together, object units
 };
 Hems find_hems(const Surface& surface);
 
-// How far every welded vertex may leave its animated place, object units, so that a hem does not lay bare the
-// border of a part that it covers at rest, nor that border come out of it. Infinity where there is none.
-// overlaps: of find_overlaps(). Cost: of each part O(vertices of borders x vertices), where it covers one.
+// How far every welded vertex may move from its animated place, object units, so that a hem does not uncover
+// the border of a part that it covers at rest, and so that this border does not come out. Infinity without
+// such a border. overlaps: from find_overlaps(). Cost: for each part that covers one O(vertices of borders x
+// vertices).
 std::vector<float> room_over_parts(const Surface& surface, const Hems& hems,
                                    std::span<const Overlap> overlaps);
 
-// The same for the borders of bodies in one frame: other garments, holes of a body. Where there is skin
-// inside of a waistband, nothing is laid bare.
-//   points: of the welded vertices, on the smooth bare garment; normals: unit; under: what is under each,
-//   within the reach, object units. unheld: the room of a vertex that covers nothing, object units: so a body
-//   that comes or goes takes it or gives it little by little.
-// Cost: as above, where a body ends under a hem, and 1 us for every vertex beside its end.
+// The same for the borders of bodies in one frame: other garments, holes of a body. If there is skin inside a
+// waistband, nothing is uncovered.
+//   points: of the welded vertices, on the smooth bare garment. normals: unit. under: the body under each
+//   vertex, within the reach, object units. unheld: the room of a vertex that covers nothing, object units,
+//   so that the room changes gradually when a body comes or goes.
+// Cost: as above if a body ends under a hem, and 1 us for every vertex near its end.
 std::vector<float> room_over_bodies(const Surface& surface, const Hems& hems, const PosedCollider& bodies,
                                     std::span<const BodyContact> under, std::span<const Vec3> points,
                                     std::span<const Vec3> normals, float reach, float unheld);

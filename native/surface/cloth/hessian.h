@@ -28,19 +28,20 @@ inline void add_outer_product(float scale, const Row& n, Matrix& m) {
 }
 
 struct Hessian {
-    // Of a spring: the block B = across I + along n x n between its ends, positive semidefinite. It stands on
-    // the diagonal of both, and with a minus between them.
+    // The block of a spring, B = across I + along n x n, positive semidefinite. B is added to the diagonal
+    // blocks of both ends, and -B to the blocks between them.
     struct Spring {
         Row direction;        // n, unit
         float along = 0.0f;   // >= -across
         float across = 0.0f;  // >= 0
     };
-    std::vector<Spring> springs;   // as those of the model
-    std::vector<Matrix> diagonal;  // per vertex, without what springs add to it; positive semidefinite
+    std::vector<Spring> springs;   // in the order of the model's springs
+    std::vector<Matrix> diagonal;  // per vertex, without the blocks of springs; positive semidefinite
 };
 
-// Solves hessian step = force, from step 0, until the residual is a share of the force, or for so many
-// iterations; returns their number. force, step: per vertex. What has no weight stays.
+// Solves hessian step = force, starting from step = 0, until the residual is a given share of the force, or
+// until the largest number of iterations. Returns the number of iterations. force, step: per vertex. Vertices
+// without weight do not move.
 int conjugate_gradients(const Model& model, const Hessian& hessian, const std::vector<Row>& force,
                         int most_iterations, std::vector<Row>& step);
 

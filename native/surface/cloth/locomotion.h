@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// How a garment as a whole moved between two poses.
+// The motion of a garment as a whole between two poses.
 #pragma once
 
 #include <glm/gtc/quaternion.hpp>
@@ -9,7 +9,7 @@
 
 namespace rumple::base_cloth {
 
-// A turn about the garment's centre, and the displacement of the centre: object space, object units.
+// A rotation about the garment's centre, and the displacement of the centre: object space, object units.
 struct RigidMotion {
     glm::dquat turn{1.0, 0.0, 0.0, 0.0};
     glm::dvec3 centre{0.0};
@@ -21,13 +21,13 @@ struct RigidMotion {
     }
 };
 
-// The rigid motion that is nearest to what moved `from` to `to`, in the least squares weighted by area.
-//   area: per vertex, object units^2, >= 0; none above 0: the identity. from, to: as many vertices, one
-//   space, object units. Not checked.
-// Equal poses give the identity to the bit. Cost: O(vertices).
+// The rigid motion that fits the movement from `from` to `to` best (least squares, weighted by area).
+//   area: per vertex, object units^2, >= 0; if all are 0: the identity. from, to: the same number of
+//   vertices, in the same space, object units. Not checked.
+// Equal poses give exactly the identity. Cost: O(vertices).
 RigidMotion rigid_motion(std::span<const float> area, std::span<const Vec3> from, std::span<const Vec3> to);
 
-// A share of a motion: of the angle of its turn, and of its displacement. fraction: 0 to 1.
+// A fraction of a motion: of its rotation angle and of its displacement. fraction: 0 to 1.
 RigidMotion part_of(const RigidMotion& motion, double fraction);
 
 }  // namespace rumple::base_cloth

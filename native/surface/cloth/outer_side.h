@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Garments whose thickness was modelled: an outer side, an inner one behind it, and rims between them. The
-// outer side is the cloth; what it does, the others do with it. (Not in a paper.)
+// Garments with modelled thickness: an outer side, an inner side behind it, and rims between them. Only the
+// outer side is solved as cloth. The others follow it. (Not from a paper.)
 #pragma once
 
 #include <vector>
@@ -11,16 +11,17 @@ namespace rumple {
 
 struct OuterSide {
     std::vector<bool>
-        polygons;  // of every polygon: it is of the outer side, or of a part without an inner one
+        polygons;  // per polygon: whether it is on the outer side, or in a part without an inner side
     float thickness =
-        0.0f;  // object units: the median by area; 0: no thickness is modelled, all polygons count
+        0.0f;  // object units: the median by area; 0: no thickness is modelled, and all polygons are outer
 };
 
-// By the shape at rest. A polygon lies on another one where that is behind it, faces the other way, and is
-// nearer than a fiftieth of the bounding box's diagonal. Of two sides that lie on one another the larger one
-// is the outer one: it goes round. No thickness is modelled in a part of which less than three tenths is an
-// inner side (a hem that is turned in), or less than seven tenths lies on its other side; nor in a mesh with
-// less than three tenths of inner sides (a belt). Cost: about 0.5 us a polygon.
+// Finds the outer side by the shape at rest. A polygon is opposite to another one if that is behind it, faces
+// the other way, and is nearer than a fiftieth of the bounding box's diagonal. Of two opposite sides, the
+// larger one is the outer side, because it surrounds the other. A part has no modelled thickness if less than
+// three tenths of it is an inner side (a hem that is turned in), or if less than seven tenths of it is
+// opposite to its other side. A mesh with less than three tenths of inner sides has none either (a belt).
+// Cost: about 0.5 us per polygon.
 OuterSide outer_side(const Surface& surface);
 
 }  // namespace rumple

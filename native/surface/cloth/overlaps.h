@@ -9,15 +9,15 @@
 
 namespace rumple::base_cloth {
 
-// A vertex and the place of another part that lies under it, or over it. Both face the same way.
+// A vertex and a place of another part that is under or over it. Both face the same way.
 struct Overlap {
     Index vertex;  // welded
     SurfacePoint place;
-    bool outer;  // whether the vertex lies over the place
+    bool outer;  // whether the vertex is over the place
 };
 
-// At most one under and one over each vertex, the nearest at rest within a thirtieth of the garment's
-// diagonal. In the order of the vertices. Cost: O(n log n), for a garment in one part O(edges).
+// For each vertex at most one place under it and one over it: the nearest at rest, within a thirtieth of the
+// garment's diagonal. In the order of the vertices. Cost: O(n log n); O(edges) for a garment in one part.
 std::vector<Overlap> find_overlaps(const Surface& surface);
 
 }  // namespace rumple::base_cloth

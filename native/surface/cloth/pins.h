@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Where a garment is held by itself: its collar, its waistband, its cuffs.
+// Finds where a garment holds by itself: at its collar, its waistband, its cuffs.
 #pragma once
 
 #include <vector>
@@ -8,18 +8,18 @@
 
 namespace rumple {
 
-// How firmly every display vertex follows the animation, 0 (free) to 1 (pinned), from the open borders at
-// rest: the highest one is pinned (a collar, a waistband), narrow ones more or less (a cuff at the wrist
-// wholly, a short sleeve a little, a leg of trousers hardly), wide ones not at all (a hem). Of a garment that
-// is a sheet (a cape, a scarf) the upper end of its outline is pinned. It fades out over a part of the
-// garment's size. Connected parts are looked at one by one.
+// How firmly every display vertex follows the animation, 0 (free) to 1 (pinned), derived from the open
+// borders at rest. The highest border is pinned (a collar, a waistband). Narrow ones are pinned partly (a
+// cuff at the wrist completely, a short sleeve a little, a leg of trousers hardly). Wide ones are free (a
+// hem). For a sheet (a cape, a scarf) the upper end of the outline is pinned. The value fades out over a part
+// of the garment's size. Each connected part is treated separately.
 //   up: unit, object space at rest.
 // Cost: O(edges log edges).
 std::vector<float> suggest_follow(const Surface& surface, const Vec3& up);
 
-// How many openings a garment has, of its connected parts the one with most: open borders that are not the
-// outline of a sheet. A shirt has four, a head one, and so have a head, two arms and two feet; a skirt two,
-// for a wide hem in a part with a waist is no outline.
+// The number of openings of the connected part that has most of them. An opening is an open border that is
+// not the outline of a sheet. A shirt has four, a skirt two, a head one. Separate heads, arms and feet also
+// give one. A wide hem is not an outline if its part has a waist.
 Index count_openings(const Surface& surface);
 
 }  // namespace rumple

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Normals of a garment at rest without its small folds: they say how it is curved around a leg, a sleeve, the
-// trunk. Internal to surface.
+// Normals of a garment at rest without its small folds. They describe its curvature around a leg, a sleeve or
+// the trunk. Internal to surface.
 #pragma once
 
 #include <vector>
@@ -9,8 +9,8 @@
 
 namespace rumple {
 
-// Per welded vertex: the normal at rest, unit or zero, smoothed so that what is narrower than a tenth of the
-// garment's diagonal, as modelled folds are, does not count. Cost: at most 0.1 s for 50,000 vertices.
+// Per welded vertex: the normal at rest, unit or zero. It is smoothed, so that shapes narrower than a tenth
+// of the garment's diagonal, such as modelled folds, have no effect. Cost: at most 0.1 s for 50,000 vertices.
 std::vector<Vec3> smooth_normals_at_rest(const Surface& surface);
 
 }  // namespace rumple

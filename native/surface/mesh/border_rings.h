@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// How many edges lie between a vertex and the nearest open border: what fades towards hems goes by that.
+// The number of edges from a vertex to the nearest open border. Values that fade towards hems depend on it.
 #pragma once
 
 #include <array>
@@ -11,8 +11,8 @@
 
 namespace rumple {
 
-// Per vertex the fewest edges to one on a border; kNone where none can be reached. edges: pairs of vertices,
-// in any order, some may be there twice. on_border: of every vertex. Cost: O(vertices + edges).
+// Per vertex the least number of edges to a border vertex; kNone if none can be reached. edges: pairs of
+// vertices, in any order, duplicates allowed. on_border: per vertex. Cost: O(vertices + edges).
 std::vector<Index> border_rings(std::span<const std::array<Index, 2>> edges,
                                 const std::vector<bool>& on_border);
 

@@ -21,7 +21,7 @@ class DisjointSets {
         }
         return i;
     }
-    // Of every member.
+    // The root of every member.
     std::vector<Index> roots() {
         std::vector<Index> out(parent_.size());
         for (size_t i = 0; i < out.size(); ++i) out[i] = find(static_cast<Index>(i));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Ways along the edges of a surface at rest. Internal to surface.
+// Shortest paths along the edges of a surface at rest. Internal to surface.
 #pragma once
 
 #include <functional>
@@ -15,7 +15,7 @@ struct Neighbour {
     Index vertex;
     float length;  // object units
 };
-using EdgeGraph = std::vector<std::vector<Neighbour>>;  // of every welded vertex
+using EdgeGraph = std::vector<std::vector<Neighbour>>;  // per welded vertex
 
 inline void connect(const Surface& surface, Index a, Index b, EdgeGraph& graph) {
     const float length = glm::distance(surface.positions_rest[a], surface.positions_rest[b]);
@@ -23,9 +23,9 @@ inline void connect(const Surface& surface, Index a, Index b, EdgeGraph& graph) 
     graph[b].push_back({a, length});
 }
 
-// Dijkstra 1959: the shortest ways from some vertices to all that are nearer than `distance` says, which is
-// lowered to them. reached(vertex): in the order of the ways, lowest number first of equals.
-// farthest: longer ways are not followed. Cost: O(log vertices) for each that is reached.
+// Shortest paths from some vertices (Dijkstra 1959). It lowers `distance` wherever a path is shorter than the
+// given value. reached(vertex) is called in the order of distance; of equal ones the lowest number is first.
+// farthest: longer paths are not followed. Cost: O(log vertices) for each vertex that is reached.
 template <typename Reached>
 void shortest_paths(const EdgeGraph& graph, std::span<const Index> from, float farthest,
                     std::span<float> distance, Reached&& reached) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A mesh that is not an oriented manifold, as one that is: what is shown can be solved.
+// Heals meshes: makes an oriented manifold from any mesh, so that it can be solved.
 #pragma once
 
 #include <array>
@@ -9,18 +9,18 @@
 
 namespace rumple {
 
-// A copy of a mesh that build_surface() takes, and where its elements come from. The first vertices are the
-// mesh's own; copies of some of them follow.
+// A healed copy of a mesh, which build_surface() accepts, and where its elements come from. It begins with
+// the vertices of the mesh. Copies of some of them follow.
 struct HealedMesh {
     PolygonMesh mesh;
     std::vector<Index> vertex_source;       // healed vertex -> vertex
     std::vector<Index> corner_source;       // healed corner -> corner
     std::vector<Index> polygon_source;      // healed polygon -> polygon
     std::vector<Index> triangle_corner;     // 3 per triangle of a healed polygon: healed corners
-    std::vector<Index> turned;              // polygons, ascending, that are wound the other way
+    std::vector<Index> turned;              // polygons, ascending, whose winding was reversed
     std::vector<std::array<Index, 2>> cut;  // edges (a < b), ascending, at which some polygons were cut off
     std::vector<std::array<Index, 2>>
-        doubled;                  // a polygon that was left out, ascending, and the one it lies on
+        doubled;                  // a polygon that was left out, ascending, and the polygon below it
     std::vector<Index> repeated;  // polygons, ascending, that use a vertex twice
 
     bool is_changed() const {
@@ -38,8 +38,8 @@ struct HealedMesh {
 //   too. A part with one side only (Moebius) is cut where its ends meet. A tube or a bag that faces inwards
 //   is turned as a whole: what is worn under a garment lies behind its faces.
 // - Vertices are split into fans along all cuts.
-// A mesh that is an oriented manifold and not inside out comes back as it is. Throws InvalidInput as
-// build_surface() does. Cost: O(corners log corners).
+// An oriented manifold that is not inside out is returned unchanged. Throws InvalidInput like
+// build_surface(). Cost: O(corners log corners).
 HealedMesh heal_mesh(const SurfaceInput& input);
 
 }  // namespace rumple

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The step of heal_mesh() that decides which way the polygons face.
+// The step of heal_mesh() that chooses the winding of the polygons.
 #pragma once
 
 #include <array>
@@ -14,7 +14,7 @@ namespace rumple {
 // Two polygons that stay joined at an edge, by the corners that begin it.
 struct Joint {
     Index corner[2];
-    bool turned;  // both run along the edge the same way: one of them is wound the other way
+    bool turned;  // both use the edge in the same direction: their windings are opposite
 };
 
 inline Index next_corner(const PolygonMesh& mesh, Index polygon, Index corner) {
@@ -27,9 +27,9 @@ std::vector<Index> polygons_of_corners(const PolygonMesh& mesh);
 // Twice the area of a polygon, along its normal (Newell).
 glm::dvec3 area_vector(const HealedMesh& healed, std::span<const Vec3> positions, Index p);
 
-// Which polygons to turn so that joined ones are wound alike, and as the larger area of their part, or
-// outwards where the part is inside out. Joints at which that cannot be (a part with one side only) are
-// removed; cut: gets their edges. seams: joints that count for the winding alone.
+// Which polygons to reverse, so that joined polygons have the same winding: that of the larger area of their
+// part, or outwards if the part is inside out. Joints where this is impossible (a part with only one side)
+// are removed. cut: receives their edges. seams: joints that are only used for the winding.
 std::vector<bool> wind_polygons(const HealedMesh& healed, std::span<const Vec3> positions,
                                 std::vector<Joint>& joints, const std::vector<Joint>& seams,
                                 std::set<std::array<Index, 2>>& cut);

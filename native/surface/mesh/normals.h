@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Which way a surface faces at its vertices, and how its triangles lie.
+// Normals of a surface at its vertices, and frames of its triangles.
 #pragma once
 
 #include <span>
@@ -16,7 +16,7 @@ void vertex_normals(const Surface& surface, std::span<const Vec3> positions, std
 
 std::vector<Vec3> vertex_normals(const Surface& surface, std::span<const Vec3> positions);
 
-// Of a sum of unit normals, or of their mean: unit, or zero where they cancel out.
+// Normalises a sum or mean of unit normals: unit length, or zero if they cancel out.
 inline Vec3 direction_of_normals(const Vec3& sum) {
     const float length = glm::length(sum);
     return length > kShortestNormal ? sum / length : Vec3(0.0f);

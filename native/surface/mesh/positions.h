@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What positions may be: one rule for rest shapes, frames and bodies, of every system.
+// Checks of positions: the same rules for rest shapes, frames and bodies of every system.
 #pragma once
 
 #include <string>
@@ -8,14 +8,14 @@
 
 namespace rumple {
 
-// Throws InvalidInput, with the first bad vertex, where a position is not finite, or has a coordinate beyond
-// kFarthestCoordinate: areas squared are no floats there.
+// Throws InvalidInput about the first vertex that is not finite, or that has a coordinate beyond
+// kFarthestCoordinate, where squared areas overflow a float.
 void check_coordinates(const std::string& name, std::span<const Vec3> positions);
 
-// The same of a frame, (n) of the surface's vertices. Refused too: a vertex farther from the origin than
-// kExploded sizes of the rest shape. A simulation that explodes goes there, and nothing is to be seen there:
-// a float is rounded by a twentieth of the mesh. So that one wild frame spoils no later one, it is not solved
-// at all. Cost: O(vertices).
+// The same for a frame, (n) of the surface's vertices. Also refused: a vertex farther from the origin than
+// kExploded sizes of the rest shape. Only an exploding simulation gets there, and nothing useful is visible:
+// the rounding error of a float is a twentieth of the mesh. Such a frame is not solved at all, so that it
+// cannot damage later frames. Cost: O(vertices).
 void check_frame(const Surface& surface, std::span<const Vec3> positions,
                  const std::string& name = "positions");
 

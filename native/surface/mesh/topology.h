@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The coarse base mesh: checked once, then flat arrays.
+// The coarse base mesh: checked once, then stored as flat arrays.
 #pragma once
 
 #include <array>
@@ -14,8 +14,8 @@ namespace rumple {
 // A crease of this sharpness or more is never rounded: OpenSubdiv's measure.
 inline constexpr float kSharp = 10.0f;
 
-// An edge (a < b) that stays sharp for so many subdivisions; a fraction rounds it in part. Above 0, at most
-// kSharp.
+// An edge (a < b) and for how many subdivisions it stays sharp; a fraction rounds it partly. The sharpness is
+// above 0, at most kSharp.
 struct Crease {
     Index a = kNone;
     Index b = kNone;
@@ -29,7 +29,7 @@ struct PolygonMesh {
     std::vector<Index> polygon_start{0};
     std::vector<Index> corner_vertex;
     std::vector<Crease>
-        creases{};  // of edges between two polygons, ascending by (a, b): what refinement rounds less
+        creases{};  // of edges between two polygons, ascending by (a, b); refinement rounds these edges less
 
     Index polygons() const { return static_cast<Index>(polygon_start.size()) - 1; }
     Index corners() const { return static_cast<Index>(corner_vertex.size()); }
@@ -55,8 +55,8 @@ struct Triangle {
 };
 
 // The base surface at rest, built by build_surface() and never changed.
-//   display  the mesh as the artist has it
-//   welded   the same polygons over welded vertices: what is refined and solved; it has the creases
+//   display  the artist's mesh
+//   welded   the same polygons over welded vertices, for refinement and solve; it has the creases
 // Both share polygons and corners; only corner_vertex differs.
 struct Surface {
     PolygonMesh display;
@@ -67,7 +67,7 @@ struct Surface {
     std::vector<Triangle> triangles;    // of every polygon, as given
     std::vector<Edge> edges;            // of the welded mesh
     std::vector<bool> boundary_vertex;  // per welded vertex
-    std::vector<std::string> warnings;  // what was tolerated: loose vertices, zero-area triangles, ...
+    std::vector<std::string> warnings;  // loose vertices, zero-area triangles, ...
 };
 
 struct SurfaceInput {
@@ -75,28 +75,24 @@ struct SurfaceInput {
     std::span<const Index> polygon_start;    // polygons + 1, ascending from 0
     std::span<const Index> corner_vertex;    // per corner
     std::span<const Index> triangle_corner;  // 3 per triangle: corner indices of one polygon
-    bool weld_seams = true;                  // join boundary vertices that stand at one place
-    // Between these vertices, in any order and number; where there is no edge of two polygons, none is kept:
-    // borders are sharp as they are. The sharpest of an edge counts. Sharpness: 0 or more.
+    bool weld_seams = true;                  // join boundary vertices at the same place
+    // Pairs of vertices in any order, duplicates allowed. A crease without an edge of two polygons is
+    // dropped, because borders are always sharp. The largest sharpness of an edge is used. Sharpness: 0 or
+    // more.
     std::span<const Crease> creases = {};
 };
 
 // Checks the mesh (through OpenMesh: every polygon must be addable to a
 // manifold), welds it, and takes its edges.
-// Welding joins boundary edges that lie on one another (both ends within
-// kWeldDistance x bounding box diagonal) in opposite directions, as the two
-// sides of a cut do, unless that makes an edge non-manifold, a polygon degenerate
-// or two polygons equal; what stays apart for that reason is a warning.
-// Tolerated with a warning: loose vertices (they keep a welded vertex, without
-// polygons), bow ties (a vertex at which two fans of polygons touch: it is
-// refined as a sharp corner), zero-area triangles, zero-length edges. Loose edges
-// are not part of the input.
-// Throws InvalidInput (not finite, an index out of range, no faces, all vertices
-// at one place, a face whose triangles are not its own or not as many as its
-// corners less two) and TopologyError (an edge with three polygons, neighbours
-// of opposite winding, polygons over the same vertices, a vertex twice in a
-// polygon), naming the first bad element in the caller's numbering.
-// Cost: O(corners log corners).
+// Welding joins boundary edges at the same place (both ends within kWeldDistance x bounding box diagonal)
+// with opposite directions, like the two sides of a cut. It does not join edges if that would make an edge
+// non-manifold, a polygon degenerate or two polygons equal. Then there is a warning. Other warnings: loose
+// vertices (they keep a welded vertex without polygons), bow ties (a vertex where two fans of polygons touch:
+// it is refined as a sharp corner), zero-area triangles, zero-length edges. Loose edges are not part of the
+// input. Throws InvalidInput (not finite, an index out of range, no faces, all vertices at one place, a face
+// whose triangles are not its own or not as many as its corners less two) and TopologyError (an edge with
+// three polygons, neighbours of opposite winding, polygons over the same vertices, a vertex twice in a
+// polygon). The error names the first bad element in the caller's numbering. Cost: O(corners log corners).
 Surface build_surface(const SurfaceInput& input);
 
 // The one-rings: of every welded vertex v the others of the triangles around it, ascending: vertex[start[v]]
@@ -115,18 +111,18 @@ struct NearTriangles {
 };
 NearTriangles near_triangles(const Surface& surface);
 
-// The corners of a triangle, as the artist has them.
+// The corners of a triangle, as display vertices.
 std::array<Index, 3> display_vertices(const Surface& surface, Index triangle);
 
-// The same corners, as they are solved. Inline, for loops over the triangles around a vertex.
+// The same corners, as welded vertices. Inline, for loops over the triangles around a vertex.
 inline std::array<Index, 3> welded_vertices(const Surface& surface, Index triangle) {
     const Index* corner = surface.triangles[triangle].corner;
     const std::vector<Index>& vertex = surface.welded.corner_vertex;
     return {vertex[corner[0]], vertex[corner[1]], vertex[corner[2]]};
 }
 
-// Deformed positions of the display vertices -> of the welded vertices: the mean
-// of those that were joined (equal ones give themselves to the bit).
+// Deformed positions of the display vertices -> positions of the welded vertices: the mean of the joined ones
+// (equal positions give exactly the same position).
 void weld_positions(const Surface& surface, std::span<const Vec3> display, std::span<Vec3> welded);
 std::vector<Vec3> weld_positions(const Surface& surface, std::span<const Vec3> display);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Who is whose neighbour among the triangles of a surface: for walks over it.
+// Half-edges of a surface's triangles, for walks over the surface.
 #pragma once
 
 #include <vector>

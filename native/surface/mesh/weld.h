@@ -14,17 +14,16 @@ namespace rumple {
 //
 // A seam is a pair of boundary edges that lie on one another (both ends within
 // kWeldDistance) and run in opposite directions, as the two sides of a cut do.
-// Joining edges, not points, leaves apart what merely touches: two sleeves that
-// meet in a point, or the same-facing layers of a double cloth. Where three or
-// more boundary edges lie on one another, or joining would make an edge
-// non-manifold, a polygon degenerate or two polygons equal, the seams that meet
-// there stay open and a warning names the first vertex.
+// It joins edges, not points, so parts that only touch stay separate: two sleeves that meet in a point, or
+// the layers of a double cloth that face the same way. If three or more boundary edges are at the same place,
+// or if joining would make an edge non-manifold, a polygon degenerate or two polygons equal, the seams there
+// stay open, and a warning names the first vertex.
 struct Weld {
     std::vector<Index> class_of;
     std::vector<std::string> warnings;
 };
 
-// The corners that begin two boundary edges which lie on one another, whichever way they run.
+// The corners that begin two boundary edges at the same place, with any directions.
 std::vector<std::array<Index, 2>> find_seams(const PolygonMesh& mesh, std::span<const Vec3> positions);
 
 Weld find_weld(const PolygonMesh& mesh, std::span<const Vec3> positions);

@@ -14,7 +14,7 @@ inline constexpr Index kMostLevels = 8;
 // The most segments of an edge: a triangle in a million pieces.
 inline constexpr Index kMostSegments = 1024;
 
-// limit_stencils() is exact at the vertices of so many levels, unless it is asked for fewer.
+// By default limit_stencils() is exact at the vertices of this number of levels.
 inline constexpr Index kExactLimitLevels = 6;
 
 // A fine mesh and where every piece of it comes from. The weights are *linear*
@@ -30,9 +30,9 @@ struct FineMesh {
 
 // Uniform subdivision by OpenSubdiv, `levels` times: Loop when every polygon of
 // the parent is a triangle, else Catmull-Clark. Boundaries keep their edges and
-// their corners; so do bow ties; creases are what is left of the parent's (DeRose, Kass and
-// Truong 1998). Level 0 copies the parent. Throws InvalidInput
-// unless 0 <= levels <= kMostLevels and the corners can be counted.
+// their corners; so do bow ties. Creases keep the rest of the parent's sharpness (DeRose, Kass and Truong
+// 1998). Level 0 copies the parent. Throws InvalidInput unless 0 <= levels <= kMostLevels and the corners can
+// be counted.
 FineMesh refine_subdivision(const PolygonMesh& parent, Index levels);
 
 // fine vertex <- parent vertices, the smooth subdivision surface, for the mesh
@@ -82,8 +82,8 @@ std::vector<SurfacePoint> closest_points(const Surface& surface, std::span<const
 SparseRows limit_stencils(const Surface& surface, std::span<const SurfacePoint> places,
                           Index exact_levels = kExactLimitLevels);
 
-// Limit positions of the welded vertices, exact; a vertex without a triangle gets an empty row.
-// Cost: a mask a vertex; a subdivision too where faces are not all quads, or all triangles.
+// Exact limit positions of the welded vertices. A vertex without a triangle gets an empty row. Cost: a mask
+// per vertex, and a subdivision if the faces are neither all quads nor all triangles.
 SparseRows vertex_limit_stencils(const Surface& surface);
 
 // The fine mesh with its vertices split again where the artist's mesh was split

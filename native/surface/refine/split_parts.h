@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What the two ways to split triangles share. Internal to surface.
+// Code that both methods of splitting triangles use. Internal to surface.
 #pragma once
 
 #include "surface/mesh/edge_key.h"
@@ -35,7 +35,7 @@ class FineTriangles {
     FineMesh& fine_;
 };
 
-// Fine vertices that stand on welded vertices: those with a triangle, in order.
+// The fine vertices at welded vertices: those with a triangle, in order.
 inline std::vector<Index> add_base_vertices(const Surface& surface, FineMesh& fine) {
     std::vector<Index> fine_of(surface.welded.vertex_count, kNone);
     for (Index v : surface.welded.corner_vertex) fine_of[v] = 0;

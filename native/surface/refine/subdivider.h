@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// All that we use of OpenSubdiv's Far. Internal to surface.
+// Wrappers for the parts of OpenSubdiv's Far that we use. Internal to surface.
 #pragma once
 
 #include <opensubdiv/far/primvarRefiner.h>
@@ -18,7 +18,7 @@ namespace Far = OpenSubdiv::Far;
 namespace Sdc = OpenSubdiv::Sdc;
 using Refiner = std::unique_ptr<Far::TopologyRefiner>;
 
-// OpenSubdiv leaves a vertex without polygons undefined, so it does not see them.
+// The vertices with polygons. OpenSubdiv leaves a vertex without polygons undefined, so they are removed.
 struct UsedVertices {
     std::vector<Index> vertex_of;  // used -> parent
     std::vector<Index> corner;     // per corner: used vertex
@@ -34,9 +34,9 @@ Refiner make_refiner(const PolygonMesh& mesh, const UsedVertices& used);
 // Creases of the vertices of the last level between two faces each. Empty without creases at level 0.
 std::vector<Crease> creases_of_last_level(const Far::TopologyRefiner& refiner);
 
-// Limit of every vertex <- vertices, of a mesh whose vertices all have a polygon: exact within a 64th of an
-// edge of where creases are rounded, where OpenSubdiv's masks take a crease of any sharpness for one that
-// stays.
+// Limit of every vertex <- vertices, for a mesh whose vertices all have a polygon. Near rounded creases it
+// has an error of at most a 64th of an edge, because OpenSubdiv's masks treat a crease of any sharpness as
+// permanent.
 SparseRows limit_rows_by_patches(const PolygonMesh& mesh);
 
 // Linear weights (bilinear in a quad) of a uniformly refined mesh's last level.
@@ -47,7 +47,7 @@ struct LinearRows {
 };
 LinearRows linear_rows(const Far::TopologyRefiner& refiner, const PolygonMesh& mesh);
 
-// One row more: columns and their weights, which it sorts; zeros are dropped.
+// Appends a row: columns and their weights, which are sorted; zeros are dropped.
 void add_sorted_row(std::vector<std::pair<Index, double>>& entries, SparseRows& rows);
 
 // The rows of an OpenSubdiv table, columns renamed by `column_of`, sorted, zeros dropped.

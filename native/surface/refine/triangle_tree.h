@@ -14,7 +14,7 @@ struct TrianglePoint {
     double squared_distance = 0.0;
 };
 
-// The point of one triangle closest to p. A triangle of zero area is its edges.
+// The point of one triangle closest to p. A triangle with zero area consists of its edges.
 TrianglePoint closest_point(const Surface& surface, Index triangle, const Vec3& p);
 
 // A bounding volume hierarchy over all triangles: built in O(n log^2 n),
@@ -25,8 +25,8 @@ class TriangleTree {
 
     // Ties go to the lowest triangle.
     TrianglePoint closest(const Vec3& p) const;
-    // Of those within a distance that are accepted; no triangle where there is none. wanted(Index): a
-    // triangle, asked before its point is looked for; accept(TrianglePoint).
+    // The closest accepted point within a distance; no triangle if there is none. wanted(Index): whether to
+    // test a triangle at all; accept(TrianglePoint): whether its closest point is accepted.
     template <typename Wanted, typename Accept>
     TrianglePoint closest_within(const Vec3& p, double farthest, Wanted&& wanted, Accept&& accept) const;
 
