@@ -128,9 +128,8 @@ struct Motion {
 
 // The values that the next frame starts from.
 struct State {
-    std::vector<Vec3>
-        offset;  // per welded vertex, in the tangent frame of the animated vertex; not with inertia
-    std::vector<float> length;        // of every spring in the pose that was solved
+    std::vector<Vec3> offset;   // per welded vertex, in the animated vertex's tangent frame; not with inertia
+    std::vector<float> length;  // of every spring in the pose that was solved
     std::vector<float> clearance;     // likewise
     std::vector<float> ahead_height;  // likewise
     float moved = 0.0f;               // as in the report, object units; 0 if the solve did not improve it

@@ -36,7 +36,8 @@ inline Vec2 in_rest_frame(const Model& model, size_t v, const Vec3& way) {
     return {glm::dot(model.tangent_rest[v], way), glm::dot(model.bitangent_rest[v], way)};
 }
 
-// A smooth function of the place, -1..1. which: of those of a seed, which know nothing of one another.
+// A smooth random function of the place, -1..1. which: number of the function; those of one seed are
+// independent.
 inline float smooth_noise(const Vec3& place, std::uint32_t seed, std::uint32_t which) {
     const Vec3 elsewhere(noise(seed, 3 * which), noise(seed, 3 * which + 1), noise(seed, 3 * which + 2));
     return glm::simplex(place + 100.0f * elsewhere);
@@ -48,7 +49,7 @@ inline float smooth_noise(const Vec3& place, std::uint32_t seed, std::uint32_t w
 void turn_along(const Vec2& along, const glm::mat2& m, const Vec2& q, const Vec2& before, const Vec2& turn,
                 float threshold, formulas::WaveEstimate& estimate, float& gather);
 
-// Below this many vertices threads are not worth it: a round takes some hundred microseconds alone.
+// Below this number of vertices one thread is faster: a round takes only some hundred microseconds.
 inline constexpr size_t kVerticesForThreads = 50'000;
 
 inline int threads_for(const Settings& settings, size_t vertices) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What the viewport draws Wrinkle Paths from, on the GPU: chapter 7 of Gillette 2015. docs/gpu_preview.md
-// says how its shaders read it.
+// The data from which the GPU preview draws Wrinkle Paths (Gillette 2015, chapter 7). docs/gpu_preview.md
+// describes how its shaders read it.
 #pragma once
 
 #include "systems/wrinkle_paths/wrinkle_paths.h"
@@ -20,19 +20,19 @@ struct Parts {
 struct Drawing {
     std::vector<Vec3> flat;    // per welded vertex, object space: the deformed base
     std::vector<Vec3> smooth;  // ... its place on the surface that the fine mesh is attached to
-    std::vector<Vec3> normal;  // unit; of the triangles around it: also the way of the folds
+    std::vector<Vec3> normal;  // unit; of the triangles around it: also the direction of the folds' heights
     bool curved = true;        // false: straight triangles, for a linear attachment
     std::vector<float> hem;    // factor on the folds
     std::vector<Parts> parts;  // per triangle
     TriangleLists lists;
-    std::vector<Vec3> proxy_offset;  // per vertex of the base as the artist has it: the way to `smooth`
+    std::vector<Vec3> proxy_offset;  // per display vertex: from the vertex to `smooth`
 };
-// Throws as show() does. Cost: that of the triangles reached.
+// Throws like show(). Cost: O(triangles reached).
 Drawing draw(const Model& model, const Settings& settings, const Input& input, const Pose& pose,
              const State& state);
 Drawing draw(const Model& model, const Settings& settings, const Input& input, const State& state);
 
-// What the vertex and fragment stages make of a place, for tests: their twin.
+// For tests: computes a place like the vertex and fragment stages.
 struct Drawn {
     Vec3 position;
     Vec3 normal;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Walking over the triangles, and who is near: Gillette 2015, sections 5.1 and 8.2. Inside this system only.
+// Walks over the triangles, and search for near segments: Gillette 2015, sections 5.1 and 8.2. Internal to
+// wrinkle_paths.
 #pragma once
 
 #include "systems/wrinkle_paths/context.h"
@@ -11,8 +12,8 @@ Vec3 position(const PathContext& context, const PathPoint& p);
 std::vector<Vec3> positions(const PathContext& context, const std::vector<PathPoint>& points);
 float length(const PathContext& context, const std::vector<PathPoint>& points);
 
-// The compression of a triangle by how far its shape can be trusted: a thin triangle says little, and a fifth
-// of all compression is in thin triangles.
+// The compression of a triangle, weighted by its quality. Thin triangles are not reliable, but have a fifth
+// of all compression.
 float weighted_compression(const PathContext& context, Index triangle);
 
 // A point of a path in the plane of a triangle that it lies on.
@@ -48,15 +49,15 @@ class SegmentMap {
     const PathContext& context_;
     std::vector<Index> first_;  // per triangle
     std::vector<Segment> segments_;
-    mutable TriangleFlood flood_;  // of queries, which change nothing else
+    mutable TriangleFlood flood_;  // temporary data of queries
 };
 
-// How a walk goes on and where it ends.
+// The limits of a walk.
 struct WalkLimits {
-    float compression = 1.0f;            // it enters no triangle below
-    float length = 0.0f;                 // it ends after so much, object units
+    float compression = 1.0f;            // it enters no triangle with less compression
+    float length = 0.0f;                 // it ends after this length, object units
     const SegmentMap* others = nullptr;  // it ends where it meets one of these
-    double turned = 0.0;                 // by what it continues, radians to the left; it ends at kMostTurn
+    double turned = 0.0;  // turn of the path that it continues, radians to the left; it ends at kMostTurn
 };
 
 // Section 5.1: from `at` in a triangle in `direction` (unit, in its plane), then in every triangle at right
