@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Finds the part of a body that is under a garment while both are at rest. Frames are solved from the result, so this
-module does not use `@` or `linalg`, whose rounding depends on the machine. Never imports bpy."""
+module uses sums and products only: libraries for matrices round differently on other machines. Never imports bpy."""
 from __future__ import annotations
 
 import numpy as np
