@@ -65,7 +65,7 @@ def _follow(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
     kept_lists.forget_all()
     scheduler.note_thread()
     # All updates are read before anything is rebuilt. If a rebuild removes a mesh, the depsgraph still lists its
-    # evaluated copy, whose original is then freed memory. the depsgraph of a job reports everything as updated
+    # evaluated copy, whose original is then freed memory. The depsgraph of a job reports everything as updated.
     for system in (changes, maps_changes) if scheduler.in_main_thread() else ():
         with messages.console_errors("changes"):
             system.note_updates(depsgraph)

@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What belongs to one wrinkled object: properties, modifier, meshes, what it is worn over, and what is kept of it."""
+"""The data of one wrinkled object: properties, modifier, meshes, bodies under the garment, and state between frames."""

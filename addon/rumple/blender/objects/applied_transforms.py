@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What stays right when an artist applies scale, rotation or location (Ctrl A), or turns the mesh in Edit Mode. Blender
-moves the vertices then, but no vector that an attribute has: a captured rest shape would be as large as before, and
-painted waves would run another way.
+"""Keeps vectors correct when an artist applies scale, rotation or location (Ctrl A), or rotates the mesh in Edit Mode.
+Blender then moves the vertices, but does not change vector attributes. A captured rest shape would keep its former
+size, and painted waves would have another direction.
 
-So the undeformed positions that these vectors belong to are kept in an attribute beside them. Where most vertices have
-been moved by one affine map since, it moves the vectors too. Up At Rest is a vector of the object: for it a few of the
-positions are kept with the object.
+So the undeformed positions that these vectors belong to are stored in another attribute. If one affine map has moved
+most vertices since, it is applied to the vectors too. Up At Rest is a vector of the object. For it, a few of the
+positions are stored with the object.
 """
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ GOLDEN_RATIO = 0.6180339887
 
 
 def follow(obj: bpy.types.Object) -> None:
-    """Bring the vectors of an object's meshes up to date. Structural work: it writes attributes."""
+    """Update the vectors of an object's meshes. This is structural work, because it writes attributes."""
     for mesh in {obj.data, incoming_mesh.of(obj)}:
         if compat.is_editable(mesh) and not mesh.is_editmode:
             _follow(mesh)
@@ -35,7 +35,7 @@ def _follow_up(obj: bpy.types.Object) -> None:
     places = mesh_reader.basis_positions(obj.data)
     if not len(places):
         return
-    spread = np.arange(properties.UP_PLACES) * GOLDEN_RATIO % 1.0  # over the mesh, and of a grid not on one line
+    spread = np.arange(properties.UP_PLACES) * GOLDEN_RATIO % 1.0  # spread over the mesh; not all on one line of a grid
     some = places[(spread * len(places)).astype(np.int64)]
     now = np.append(some.ravel(), np.float32(len(places)))
     before = np.array(obj.rumple.up_places, np.float32)

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What garments are worn over: which objects these are, and their surfaces in a frame.
+"""The bodies that garments are worn over: which objects these are, and their surfaces in a frame.
 
-The modifier names them too, in inputs that no node reads: for the sake of those Blender evaluates a body before its
-garment, also where it is hidden. Without them a hidden body stands at rest, and nothing says so. Everything but
-connecting only reads: allowed in any handler.
+The modifier refers to the bodies too, in inputs that no node reads. Because of these inputs Blender evaluates a body
+before its garment, even if the body is hidden. Without them a hidden body would silently stay in its rest pose.
+Everything except connecting only reads, so any handler may call it.
 """
 from __future__ import annotations
 
@@ -23,17 +23,17 @@ from . import (bodies_at_rest, incoming_mesh, made_collections, mesh_reader, mes
 Wrinkled = tuple[bpy.types.Object, bpy.types.NodesModifier]
 
 
-SURFACES = ("MESH", "CURVE", "SURFACE", "FONT", "META")  # types of objects that Blender shows with faces
+SURFACES = ("MESH", "CURVE", "SURFACE", "FONT", "META")  # object types that Blender shows with faces
 
 
 # ---------------------------------------------------------------- which
 def can_be_body(obj: bpy.types.Object) -> bool:
-    """What has a surface, is not Rumple's own, and was not deleted."""
+    """Whether an object has a surface, is not one of Rumple's hidden objects, and was not deleted."""
     return _is_surface(obj) and not _is_deleted(obj)
 
 
 def of(obj: bpy.types.Object) -> list[bpy.types.Object]:
-    """The objects that a garment is worn over, as they are set: the garment itself may be among them."""
+    """The objects that a garment is worn over, according to its settings. The garment itself may be among them."""
     body, collection = obj.rumple.body, obj.rumple.body_collection
     found = [body] if body is not None and can_be_body(body) else []
     if collection is not None:
@@ -43,7 +43,7 @@ def of(obj: bpy.types.Object) -> list[bpy.types.Object]:
 
 
 def _is_left_over(member: bpy.types.Object, collection: bpy.types.Collection) -> bool:
-    """Whether it was deleted, or joined to another object, and only a collection of Rumple's still has it."""
+    """Whether an object was deleted or joined to another one, and is only left in a collection made by Rumple."""
     return compat.is_editable(member) and _is_deleted(member) and made_collections.is_ours(collection)
 
 
@@ -54,8 +54,9 @@ def _is_surface(obj: bpy.types.Object) -> bool:
 
 
 def _is_deleted(obj: bpy.types.Object) -> bool:
-    """Whether it was in a collection, other than Rumple's, and is in none: Blender keeps what a garment names. What a
-    script has appended, and linked to no collection yet, was in none before."""
+    """Whether an object was in a collection not made by Rumple, and is in none now. Blender keeps a deleted object that
+    a garment refers to. An object that a script has appended but not yet linked to a collection does not count as
+    deleted."""
     last = bpy.data.collections.get(_found_in.get(obj.name_full, ""))
     collections = (*(scene.collection for scene in bpy.data.scenes), *bpy.data.collections)
     for collection in collections if last is None else (last, *collections):
@@ -65,14 +66,15 @@ def _is_deleted(obj: bpy.types.Object) -> bool:
     return obj.name_full in _found_in
 
 
-# The collection to look into first, by the full name of an object: some files have hundreds. Undo leaves names.
+# Full name of an object -> the collection to search first, because some files have hundreds of collections. It stores
+# names, because undo keeps them.
 _found_in: dict[str, str] = {}
 
 
 def refusal(obj: bpy.types.Object) -> str:
-    """What is wrong with the bodies that are set, in a sentence; empty when nothing is.
+    """An error message about the chosen bodies; empty if they are valid.
 
-    Where garments are worn over one another in a circle, the last of them by name is refused.
+    If garments are worn over one another in a circle, the last of them by name is refused.
     """
     for body in of(obj):
         if body == obj:
@@ -84,7 +86,7 @@ def refusal(obj: bpy.types.Object) -> str:
 
 
 def _leads_to(body: bpy.types.Object, garment: bpy.types.Object) -> bool:
-    """Whether a body is worn over a garment, by way of others before it by name."""
+    """Whether a body is worn over a garment, directly or through garments that are earlier by name."""
     todo, seen = [body], set()
     while todo:
         at = todo.pop()
@@ -97,7 +99,7 @@ def _leads_to(body: bpy.types.Object, garment: bpy.types.Object) -> bool:
 
 
 def in_order(wrinkled: list[Wrinkled]) -> list[Wrinkled]:
-    """The same objects, each behind those that it is worn over, else as they were."""
+    """The same objects, each one after those that it is worn over, otherwise in the same order."""
     waiting, ordered = {obj: nodes_mod for obj, nodes_mod in wrinkled}, []
 
     def take(obj: bpy.types.Object) -> None:
@@ -115,7 +117,7 @@ def in_order(wrinkled: list[Wrinkled]) -> list[Wrinkled]:
 
 
 def all_under(obj: bpy.types.Object) -> set[bpy.types.Object]:
-    """What a garment is worn over or follows by a modifier, and what these are worn over or follow, and so on."""
+    """All objects that a garment is worn over or follows by a modifier, also indirectly."""
     todo, found = [obj], {obj}
     while todo:
         one = todo.pop()
@@ -128,7 +130,8 @@ def all_under(obj: bpy.types.Object) -> set[bpy.types.Object]:
 
 # ---------------------------------------------------------------- the dependency graph
 def _wanted(obj: bpy.types.Object) -> tuple[bpy.types.Object | None, bpy.types.Collection | None]:
-    """What the modifier has to name. Nothing of what is refused: it would be a circle."""
+    """The body and the collection for the modifier. None if the bodies are refused, because they would make a
+    circle."""
     found = of(obj)
     if not found or refusal(obj):
         return None, None
@@ -136,17 +139,17 @@ def _wanted(obj: bpy.types.Object) -> tuple[bpy.types.Object | None, bpy.types.C
 
 
 def is_connected(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier) -> bool:
-    """Whether the modifier names the bodies that are set, or cannot."""
+    """Whether the modifier refers to the chosen bodies, or cannot."""
     return (not compat.is_editable(obj) or not modifier.can_name_bodies(nodes_mod)
             or modifier.bodies(nodes_mod) == _wanted(obj))
 
 
 def connect_all() -> None:
-    """Let the modifiers name the bodies that are set. Not in handlers."""
+    """Let the modifiers refer to the chosen bodies. Do not call it in handlers."""
     for obj, nodes_mod in list(modifier.wrinkled_objects()):
         body = obj.rumple.body
         if body is not None and compat.is_editable(obj) and _is_deleted(body):
-            obj.rumple.body = None  # else what was deleted stays in the file, for it has a user
+            obj.rumple.body = None  # otherwise this reference keeps the deleted object in the file
         if obj.rumple.looks_again and of(obj) and compat.is_editable(obj):
             obj.rumple.looks_again = False
         _drop_left_overs(obj.rumple.body_collection)
@@ -164,13 +167,13 @@ def _drop_left_overs(collection: bpy.types.Collection | None) -> None:
 
 # ---------------------------------------------------------------- a frame
 def are_busy(obj: bpy.types.Object) -> bool:
-    """While a body is edited its garments stay as they are."""
+    """Whether a body is being edited. Its garments do not change meanwhile."""
     return any(mesh_reader.is_busy(body) for body in of(obj))
 
 
 def read(obj: bpy.types.Object, evaluated: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> Body | None:
-    """The bodies of a garment as a depsgraph has them; None where it has none. Those without faces are left out, and
-    the first of them is named. Raises engine.UserError."""
+    """The bodies of a garment in a depsgraph; None if it has none. Bodies without faces are left out, with a message
+    about the first of them. Raises engine.UserError."""
     found, refused = of(obj), refusal(obj)
     if refused:
         raise engine.UserError(refused)
@@ -199,7 +202,7 @@ def read(obj: bpy.types.Object, evaluated: bpy.types.Object, depsgraph: bpy.type
 
 def _surface(obj: bpy.types.Object, evaluated: bpy.types.Object, body: bpy.types.Object,
              depsgraph: bpy.types.Depsgraph) -> Body | None:
-    """One body in the object space of the garment; None where it has no faces. Raises engine.UserError."""
+    """One body in the object space of the garment; None if it has no faces. Raises engine.UserError."""
     worn = body.evaluated_get(depsgraph)
     surface = _folded(body, units.frame_of(depsgraph.scene)) or _plain(body, worn, depsgraph)
     if surface is None:
@@ -210,15 +213,16 @@ def _surface(obj: bpy.types.Object, evaluated: bpy.types.Object, body: bpy.types
                                "frame: repair it, or choose another one")
     into = evaluated.matrix_world.inverted_safe() @ worn.matrix_world
     triangles = surface.triangles
-    if into.determinant() < 0.0:  # mirrored: the other way round is counter-clockwise now
+    if into.determinant() < 0.0:  # mirrored: reverse the triangles to keep them counter-clockwise
         triangles = triangles[:, ::-1]
     matrix = np.array(into, np.float32)
     return Body(np.ascontiguousarray(transforms.placed(matrix, surface.positions)),
-                np.ascontiguousarray(triangles))  # the same array, where it was not turned
+                np.ascontiguousarray(triangles))  # the same array if the triangles were not reversed
 
 
 def _folded(body: bpy.types.Object, frame: float) -> Body | None:
-    """A garment that is worn under another one, as it was solved for this frame: it comes first in in_order()."""
+    """The solved surface in this frame of a garment that is worn under another one. It is solved first: see
+    in_order()."""
     nodes_mod, runtime = modifier.find(body), runtimes.known(body)
     if (nodes_mod is None or runtime is None or runtime.evaluator is None or runtime.message
             or modifier.is_baked(nodes_mod)):
@@ -229,8 +233,8 @@ def _folded(body: bpy.types.Object, frame: float) -> Body | None:
 
 
 def _plain(body: bpy.types.Object, worn: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> Body | None:
-    """A body as Blender shows it; a garment that is not baked without its folds. None where it has no faces. Raises
-    engine.UserError."""
+    """A body as Blender shows it; of a garment that is not baked, the surface without folds. None if it has no faces.
+    Raises engine.UserError."""
     if body.type != "MESH":
         return _converted(body, worn, depsgraph.mode)
     mesh, positions, nodes_mod = worn.data, None, modifier.find(body)
@@ -244,7 +248,7 @@ def _plain(body: bpy.types.Object, worn: bpy.types.Object, depsgraph: bpy.types.
 
 
 def _converted(body: bpy.types.Object, worn: bpy.types.Object, mode: str) -> Body | None:
-    """A curve, a text or a metaball as Blender shows it. None where it has no faces."""
+    """A curve, a text or a metaball as Blender shows it. None if it has no faces."""
     mesh = worn.to_mesh()
     try:
         if mesh is None or not len(mesh.polygons):
@@ -256,11 +260,11 @@ def _converted(body: bpy.types.Object, worn: bpy.types.Object, mode: str) -> Bod
 
 
 # ---------------------------------------------------------------- triangles
-ByDepsgraph = tuple[int, str]  # an object and a kind of depsgraph
+ByDepsgraph = tuple[int, str]  # session key of an object, and depsgraph.mode
 
 
 class _Connections(NamedTuple):
-    """What is connected to what."""
+    """The connectivity of a mesh."""
 
     counts: tuple[int, int, int]
     corners: np.ndarray
@@ -280,9 +284,9 @@ class _Triangulated(NamedTuple):
     """The triangles of a body."""
 
     connections: _Connections
-    outwards: np.ndarray  # at rest
-    some: np.ndarray  # of these, about _SOME, from all over: what mirrors a body turns them all
-    mirrored: np.ndarray | None  # all, turned; None where nothing tells a mirrored one from a bent one
+    outwards: np.ndarray  # triangles that face outwards at rest
+    some: np.ndarray  # about _SOME of these, from the whole mesh: enough to recognise a mirrored body
+    mirrored: np.ndarray | None  # all, reversed; None if mirroring cannot be distinguished from bending
 
     @classmethod
     def of(cls, rest: bpy.types.Mesh, connections: _Connections) -> "_Triangulated":
@@ -294,21 +298,22 @@ class _Triangulated(NamedTuple):
         return cls(connections, outwards, some, inwards if faced and may_turn else None)
 
     def facing_outwards(self, positions: np.ndarray) -> np.ndarray:
-        """In a pose. A look at some of them is mostly enough: all take 2 ms of 28,000."""
+        """The triangles that face outwards in a pose. Mostly a test of some of them suffices: a test of 28,000 takes 2
+        ms."""
         if self.mirrored is None or side(positions, self.some) > 0 or side(positions, self.outwards) >= 0:
             return self.outwards
         return self.mirrored
 
 
 class _Joined(NamedTuple):
-    """The triangles of all bodies of a garment, and of what they were made."""
+    """The triangles of all bodies of a garment, and the values that they depend on."""
 
-    parts: list[weakref.ref[np.ndarray]]  # an array of a native model keeps that
+    parts: list[weakref.ref[np.ndarray]]  # weak, because a native model keeps its array alive
     first: list[int]
     triangles: np.ndarray
     digest: bytes
-    rest: np.ndarray | None  # as Body has it
-    rest_of: Any  # what that is made of, beside the triangles
+    rest: np.ndarray | None  # as Body.rest
+    rest_of: Any  # the values that `rest` depends on, beside the triangles
 
 
 _triangulated: dict[ByDepsgraph, _Triangulated] = {}  # by body
@@ -324,8 +329,8 @@ def forget_all() -> None:
 
 def _joined_triangles(key: ByDepsgraph, surfaces: list[Body], rest_of: Any,
                       at_rest: Callable[[], list[np.ndarray | None]]) -> _Joined:
-    """The same array as long as those of the bodies are: then nobody has to look whether it is another. at_rest: of
-    each; asked anew where rest_of is another."""
+    """The joined triangles. The same array is returned as long as the arrays of the bodies are the same, so that nobody
+    has to compare them. at_rest: returns the rest positions of each body; it is called again if rest_of has changed."""
     parts = [surface.triangles for surface in surfaces]
     first = np.cumsum([0] + [len(surface.positions) for surface in surfaces[:-1]], dtype=np.int32)
     kept = _joined.get(key)
@@ -339,8 +344,8 @@ def _joined_triangles(key: ByDepsgraph, surfaces: list[Body], rest_of: Any,
 
 
 def note_updates(garment: bpy.types.Object, touched: set[int]) -> None:
-    """Forget which way an edited body faces: applying a negative scale turns it inside out, and leaves its
-    connections. touched: session keys of what an update changed."""
+    """Forget the orientation of an edited body: applying a negative scale turns it inside out, but does not change its
+    connectivity. touched: session keys of the data that an update changed."""
     for body in of(garment):
         if body.type == "MESH" and compat.session_key(body.data) in touched:
             for key in [key for key in _triangulated if key[0] == compat.session_key(body)]:
@@ -348,10 +353,12 @@ def note_updates(garment: bpy.types.Object, touched: set[int]) -> None:
 
 
 def _triangles(body: bpy.types.Object, mesh: bpy.types.Mesh, positions: np.ndarray, mode: str) -> np.ndarray:
-    """(t, 3) int32 vertices, kept as long as the connections stay: how a frame bends a polygon does not count.
+    """(t, 3) int32 vertices. They are kept as long as the connectivity is the same, so that they do not depend on how a
+    frame bends polygons.
 
-    Where modifiers leave the connections alone they are those of the mesh at rest, whichever frame comes first. Those
-    of a body that is inside out are turned: at rest, or by what mirrors it in a frame (nodes, a bone).
+    If modifiers do not change the connectivity, the mesh at rest is triangulated, so the result does not depend on the
+    first frame. The triangles of an inside-out body are reversed, whether it is so at rest or is mirrored in a frame
+    (by nodes or a bone).
     """
     key, now = (compat.session_key(body), mode), _Connections.of(mesh)
     kept = _triangulated.get(key)

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Where bodies are while the garment over them is as at rest: what lies far from cloth there is not under it, wherever
-the animation puts it. Only reads: allowed in any handler."""
+"""The positions of bodies relative to their garment at rest. Parts that are far from the cloth at rest are not under
+it, wherever the animation moves them. Only reads, so any handler may call it."""
 from __future__ import annotations
 
 import bpy
@@ -13,21 +13,21 @@ from ...core.body import Body, side
 from .. import compat
 from . import incoming_mesh, mesh_reader, rig_scale, units
 
-Placing = tuple[tuple[float, ...], ...]  # 4x4 matrices, each row by row, that lead on one after the other
-OTHER_SHAPES = ("FRAME", "SHAPE_KEY")  # of a garment at rest, which its armature has not in its rest position
-TRANSFORMS = ("location", "rotation", "scale", "delta_")  # beginnings of data paths
+Placing = tuple[tuple[float, ...], ...]  # 4x4 matrices, each row by row, applied one after the other
+OTHER_SHAPES = ("FRAME", "SHAPE_KEY")  # rest shapes of a garment that differ from the armature's rest position
+TRANSFORMS = ("location", "rotation", "scale", "delta_")  # prefixes of data paths
 
 
 def placing(garment: bpy.types.Object, body: bpy.types.Object) -> Placing | None:
-    """From the object space of a body to that of a garment that follows the same armature: the same in all frames,
-    whatever carries both. None where that is not known: of a prop, where one of the two objects is animated itself.
-    Cost: about 20 us."""
+    """The transform from the object space of a body to that of a garment with the same armature. It is the same in all
+    frames, even if common parents are animated. None if it is unknown: the armatures differ (props), or one of the two
+    objects is animated itself. Cost: about 20 us."""
     if not armatures(garment) & armatures(body) or _rest_shape(garment) in OTHER_SHAPES:
         return None
     chains = [list(units.with_parents(obj)) for obj in (garment, body)]
     while all(chains) and chains[0][-1] == chains[1][-1]:
         for chain in chains:
-            chain.pop()  # what carries both
+            chain.pop()  # common parents
     if any(_moves(one) for chain in chains for one in chain):
         return None
     up, down = [_own(one) for one in chains[1]], [_own(one).inverted_safe() for one in reversed(chains[0])]
@@ -35,9 +35,10 @@ def placing(garment: bpy.types.Object, body: bpy.types.Object) -> Placing | None
 
 
 def of(garment: bpy.types.Object, body: bpy.types.Object, posed: Body, found: Placing | None) -> np.ndarray | None:
-    """(b, 3) float32, the vertices of a body, object space of the garment. posed: as it is in a frame. found: placing()
-    of them. NaN where cloth covers it at rest: a thigh in a skirt may come under any of it. None where it is not known:
-    of a mesh with other vertices, of clothes with folds, of what is mirrored."""
+    """(b, 3) float32, the vertices of a body at rest, object space of the garment. posed: the body in a frame. found:
+    from placing(). NaN for vertices that cloth covers at rest, because any part of the cloth may come over them later:
+    a thigh in a skirt. None if it is unknown: the mesh has other vertices, the body is a garment with folds, or it is
+    mirrored."""
     if found is None:
         return None
     rest = mesh_reader.rest_positions(body, "REST_POSE", "")
@@ -55,18 +56,18 @@ def of(garment: bpy.types.Object, body: bpy.types.Object, posed: Body, found: Pl
 
 
 def _moves(obj: bpy.types.Object) -> bool:
-    """Whether it may stand otherwise towards its parent in another frame."""
+    """Whether the object's transform relative to its parent may change between frames."""
     return (obj.parent_type not in ("OBJECT", "ARMATURE") or bool(obj.constraints)
             or any(path.startswith(TRANSFORMS) for path in compat.animated_paths(obj)))
 
 
 def _own(obj: bpy.types.Object) -> Matrix:
-    """In the space of its parent."""
+    """The object's matrix in the space of its parent."""
     return obj.matrix_basis if obj.parent is None else obj.matrix_parent_inverse @ obj.matrix_basis
 
 
 def armatures(obj: bpy.types.Object) -> set[bpy.types.Object]:
-    """That an object follows, as parent or by a modifier."""
+    """The armatures that an object follows, as its parent or by a modifier."""
     if obj.type != "MESH":
         return set()
     found = {m.object for m in obj.modifiers if m.type == "ARMATURE"}

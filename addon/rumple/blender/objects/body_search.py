@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Which object a garment is worn over, for the first click: the innermost skinned mesh that lies under it at rest."""
+"""Finds the object that a garment is worn over, for the first click: the innermost skinned mesh under it at rest."""
 from __future__ import annotations
 
 import functools
@@ -18,15 +18,15 @@ from ...core.vertices import lengths, sample_of
 from . import bodies, incoming_mesh, mesh_reader, modifier
 from .bodies_at_rest import armatures
 
-SAMPLES = 500  # vertices at most that are asked what lies under them
-NEAR = 0.08  # of the diagonal of the bounding box: what is farther does not lie under the cloth
-LEAST_SHARE = 0.15  # of the vertices that lie over another one: clothes over a body, and no body over clothes
-LEAST_BODY = 0.05  # of the vertices that must have the body under them: mostly it is deleted there
-LEAST_OVERLAP = 0.02  # of the vertices that lie over another garment: the hem of a shirt over trousers
-MORE_OVER = 2.0  # times as much of a garment lies over another one as the other way round
-WITHIN = 0.05  # of the diagonal: how far clothes reach beyond a body
-LEAST_CLOTHED = 0.1  # of the area of a body: what clothes on it have, and a belt, a badge or a pocket on a skirt not
-WORN_SHARE = 0.5  # from this share on a candidate is itself worn over another one: clothes, not a body
+SAMPLES = 500  # largest number of vertices that are tested
+NEAR = 0.08  # / the diagonal of the bounding box: the largest distance of a surface under the cloth
+LEAST_SHARE = 0.15  # share of vertices over another object: clothes over a body exceed it, a body over clothes does not
+LEAST_BODY = 0.05  # least share of vertices with the body under them; low, because bodies are often deleted there
+LEAST_OVERLAP = 0.02  # least share of vertices over another garment: the hem of a shirt over trousers
+MORE_OVER = 2.0  # this many times more of a garment is over another one than the other way round
+WITHIN = 0.05  # / the diagonal: how far clothes extend beyond a body
+LEAST_CLOTHED = 0.1  # / the area of a body: clothes exceed it; a belt, a badge or a pocket on a skirt does not
+WORN_SHARE = 0.5  # a candidate with a larger share over another one is clothes, not a body
 
 
 @dataclass
@@ -35,25 +35,25 @@ class _Cloth:
 
     places: list[Vector]
     normals: list[Vector]
-    reach: float  # how far what lies under it may be
+    reach: float  # largest distance of a surface under it
 
 
 @dataclass
 class WornOver:
-    """What an object is worn over, or that it is a body itself."""
+    """The objects that an object is worn over, or the fact that it is a body itself."""
 
     body: bpy.types.Object | None
-    garments: list[bpy.types.Object]  # other clothes that it covers a part of
-    clothes: list[bpy.types.Object]  # of a body: what lies over it, is no larger, and more than a trimming
-    trees: dict[bpy.types.Object, BVHTree]  # of tree_of(), of what was looked at
+    garments: list[bpy.types.Object]  # other clothes that it partly covers
+    clothes: list[bpy.types.Object]  # if it is a body: objects over it, not larger than it, and more than trimmings
+    trees: dict[bpy.types.Object, BVHTree]  # from tree_of(), of the examined objects
 
     @property
     def is_body(self) -> bool:
-        """Whether clothes lie over it, and it is not worn over anything that is no smaller."""
+        """Whether clothes are worn over it, and it is not worn over an object that is at least as large."""
         return bool(self.clothes)
 
     def trees_over(self) -> dict[bpy.types.Object, BVHTree]:
-        """Of what may lie over it."""
+        """The trees of objects that may be worn over it."""
         return {other: tree for other, tree in self.trees.items() if other not in (self.body, *self.garments)}
 
 
@@ -64,9 +64,9 @@ def candidates(obj: bpy.types.Object, scene: bpy.types.Scene) -> list[bpy.types.
 
 
 def find(obj: bpy.types.Object, scene: bpy.types.Scene) -> WornOver:
-    """The object that shares the armature of a garment and lies under most of it, and the clothes that reach under it.
-    Who lies over whom is not told by the shares alone: where a body was deleted under its clothes, as much of either
-    lies over the other.
+    """The object with the same armature that is under most of a garment, and the clothes that extend under it. The
+    shares alone do not determine which object is the outer one: if a body was deleted under its clothes, both shares
+    are alike.
 
     Cost: a tree of each candidate, about 2 ms per 1000 polygons.
     """
@@ -76,7 +76,7 @@ def find(obj: bpy.types.Object, scene: bpy.types.Scene) -> WornOver:
              if len(other.data.polygons) and is_finite(other)}
     cloth = functools.cache(_cloth)
     shares = {other: _share_over(cloth(obj), tree) for other, tree in trees.items()}
-    # How much of another one lies over it.
+    # The share of another object that is over this one.
     back = functools.cache(lambda other: _share_over(cloth(other), tree_of(obj, near=cloth(other))))
     trimmings = []
     if not any(_is_within(obj, other) for other, share in shares.items() if share > LEAST_SHARE):
@@ -93,14 +93,14 @@ def find(obj: bpy.types.Object, scene: bpy.types.Scene) -> WornOver:
 
 
 def _is_within(garment: bpy.types.Object, obj: bpy.types.Object) -> bool:
-    """Whether the box around a garment reaches nowhere beyond that around an object."""
+    """Whether the bounding box of a garment extends hardly beyond that of an object."""
     (low, high), (own_low, own_high) = ((rest.min(axis=0), rest.max(axis=0)) for rest in map(_rest, (garment, obj)))
     spare = WITHIN * float(np.sqrt(((own_high - own_low) ** 2).sum()))
     return bool((low >= own_low - spare).all() and (high <= own_high + spare).all())
 
 
 def _area(obj: bpy.types.Object) -> float:
-    """At rest in world space; of clothes with a modelled thickness that of the outer side."""
+    """Area at rest in world space. Of clothes with a modelled thickness, only the outer side counts."""
     return float(lengths(area_vectors(_rest(obj), triangles_of(obj))).sum())
 
 
@@ -115,7 +115,7 @@ def _rest(obj: bpy.types.Object) -> np.ndarray:
 
 
 def is_finite(obj: bpy.types.Object) -> bool:
-    """Whether all its positions at rest are finite."""
+    """Whether all positions at rest are finite."""
     return bool(np.isfinite(_rest(obj)).all())
 
 
@@ -130,15 +130,15 @@ def _cloth(obj: bpy.types.Object) -> _Cloth:
 
 
 def side_of(obj: bpy.types.Object) -> float:
-    """1, or -1 where most of the faces are turned when the mesh is healed: its normals point inwards."""
+    """1, or -1 if healing the mesh turns most of its faces, because its normals point inwards."""
     base = mesh_reader.base_mesh(obj, "REST_POSE", "")
     turned = base.healed(weld=True).origin
     return -1.0 if turned is not None and 2 * len(turned.elements[TURNED]) > len(base.polygon_start) - 1 else 1.0
 
 
 def tree_of(obj: bpy.types.Object, near: _Cloth | None = None) -> BVHTree:
-    """The surface of an object at rest, world space, turned outwards; of the triangles of triangles_of(). near: only of
-    those whose boxes are within its reach."""
+    """The surface of an object at rest, world space, facing outwards, from the triangles of triangles_of(). near: use
+    only triangles whose boxes are within its reach."""
     rest = _rest(obj)
     triangles = facing_outwards(rest, triangles_of(obj))
     if near is not None and near.places:
@@ -152,14 +152,14 @@ def tree_of(obj: bpy.types.Object, near: _Cloth | None = None) -> BVHTree:
 
 
 def triangles_of(obj: bpy.types.Object) -> np.ndarray:
-    """(t, 3) vertices of an object's incoming mesh, without the inner side of clothes with a modelled thickness: what
-    lies under that is not worn over them."""
+    """(t, 3) vertices of an object's incoming mesh. The inner side of clothes with a modelled thickness is left out,
+    because a surface under the inner side is not worn over these clothes."""
     return outer_side.triangles_of(mesh_reader.base_mesh(obj, "REST_POSE", ""))
 
 
 def _share_over(cloth: _Cloth, tree: BVHTree) -> float:
-    """The share of the vertices whose nearest point on a surface is near, on the inner side of the cloth, and faces
-    the same way: the inner side of a thick waistband does not lie over the shirt around it."""
+    """The share of the vertices whose nearest point on a surface is near, on the inner side of the cloth, and faces the
+    same way. The direction is compared because the inner side of a thick waistband is not over the shirt around it."""
     over = 0
     for place, normal in zip(cloth.places, cloth.normals):
         nearest, facing, _, _ = tree.find_nearest(place, cloth.reach)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Wrinkles that are built in a thread while the window goes on: the engine's build reads arrays only, never Blender."""
+"""Builds wrinkles in a thread, so that the window stays usable. The engine's build only reads arrays, never Blender."""
 from __future__ import annotations
 
 import threading
@@ -10,11 +10,11 @@ from typing import Any, Callable
 from ...core.engine import Wrinkles
 from ...native import kernels
 
-PATIENCE = 0.2  # seconds: what takes no longer is waited for on the spot
+PATIENCE = 0.2  # seconds to wait on the spot for a short build
 
 
 class Building:
-    """What is under way for one object. wanted: what it is made of. Where no thread can be started it is built on the
+    """A running build for one object. wanted: the inputs of the build. If no thread can be started, it is built on the
     spot."""
 
     def __init__(self, name: str, wanted: Any, build: Callable[[], Wrinkles]) -> None:
@@ -28,7 +28,7 @@ class Building:
         self._thread: threading.Thread | None = threading.Thread(target=self._run, name=f"Rumple builds {name}")
         try:
             self._thread.start()
-        except RuntimeError:  # the system has none left
+        except RuntimeError:  # the system has no more threads
             self._thread = None
             self._run()
 
@@ -36,27 +36,27 @@ class Building:
         try:
             with self._stop.watched():
                 self._made = self._build()
-        except Exception as error:  # raised again where it is asked for
+        except Exception as error:  # result() raises it again
             self._error = error
 
     @property
     def seconds(self) -> float:
-        """Since it began."""
+        """Time since the start."""
         return time.monotonic() - self._began
 
     def is_running(self, patience: float = 0.0) -> bool:
-        """After so many seconds at most."""
+        """Whether it is still running after at most `patience` seconds."""
         if self._thread is None:
             return False
         self._thread.join(patience)
         return self._thread.is_alive()
 
     def drop(self) -> None:
-        """Nobody wants it any more: its thread ends soon, and has no result."""
+        """Discard the build: its thread ends soon, without a result."""
         self._stop.ask()
 
     def result(self) -> Wrinkles:
-        """Waits for its end. Raises what the build raised."""
+        """Wait for the end. Raises the exceptions of the build."""
         if self._thread is not None:
             self._thread.join()
         if self._error is not None:
@@ -69,6 +69,6 @@ _all: weakref.WeakSet[Building] = weakref.WeakSet()
 
 
 def drop_all() -> None:
-    """Before Blender quits: it waits for threads."""
+    """Call this before Blender quits, because Blender waits for threads."""
     for building in list(_all):
         building.drop()

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Marks what must be read, solved or rebuilt again after a change; frames and the scheduler do the work."""
+"""Marks data that must be read, solved or rebuilt after a change. Frames and the scheduler do the work."""
 from __future__ import annotations
 
 import bpy
@@ -12,9 +12,9 @@ from . import bodies, guide_curves, incoming_mesh, made_collections, modifier, r
 
 
 def settings_changed(obj: bpy.types.Object, affects: str, structural: bool) -> None:
-    """Called by every property. Marks what is due; the scheduler and the next update do the work.
+    """Called by every property. Marks the necessary work; the scheduler and the next update do it.
 
-    affects: see core.settings.setting(). structural: the fine mesh may be another one.
+    affects: see core.settings.setting(). structural: the fine mesh may change.
     """
     if obj.rumple.method == "NONE" or modifier.find(obj) is None:
         return
@@ -24,7 +24,7 @@ def settings_changed(obj: bpy.types.Object, affects: str, structural: bool) -> N
     if affects == "PAINT":
         runtime.paint = None
     if affects == "BODY":
-        bodies.connect_all()  # of all: what was refused for this object's sake may be right now
+        bodies.connect_all()  # of all objects: one that was refused because of this one may be valid now
     if structural or modifier.is_baked(modifier.find(obj)):
         runtime.stop_building()
         runtime.stale = True
@@ -34,7 +34,7 @@ def settings_changed(obj: bpy.types.Object, affects: str, structural: bool) -> N
 
 # ---------------------------------------------------------------- what an update touched
 def note_updates(depsgraph: bpy.types.Depsgraph) -> None:
-    """Mark what must be read again: painted groups, edited meshes, own meshes, materials."""
+    """Mark data that must be read again: painted groups, edited meshes, own meshes, materials."""
     if scheduler.rendering() or scheduler.is_suspended():
         return
     _note_moved()
@@ -55,13 +55,13 @@ def note_updates(depsgraph: bpy.types.Depsgraph) -> None:
             if edited or (own is not None and own.data is not None and compat.session_key(own.data) in touched):
                 runtime.stale = True
                 runtime.paint = None
-                scheduler.request(scheduler.DELAY)  # of a stroke once, at its end: frames follow the brush
+                scheduler.request(scheduler.DELAY)  # once per stroke, at its end: frames follow the brush
             elif runtime.paint and compat.session_key(obj) in touched and not scheduler.playing():
-                runtime.paint = None  # vertex_group.add() from scripts tags the object only, as animation does
+                runtime.paint = None  # as animation does, a script's vertex_group.add() tags only the object
 
 
 def _note_moved() -> None:
-    """What a garment is worn over may have left the collection that Rumple keeps it in."""
+    """The bodies of a garment may have left the collection that Rumple keeps them in."""
     for obj, _ours in modifier.wrinkled_objects():
         if made_collections.lost_members(obj.rumple.body_collection):
             runtimes.of(obj).stale = True
@@ -69,7 +69,7 @@ def _note_moved() -> None:
 
 
 def _restacked(obj: bpy.types.Object, runtime: runtimes.Runtime, touched: set[int]) -> bool:
-    """Whether modifiers in front that make the coarse mesh were changed."""
+    """Whether the topology-changing modifiers in front were changed."""
     return (not incoming_mesh.is_own(obj) and compat.session_key(obj) in touched and not scheduler.playing()
             and runtime.stack != incoming_mesh.stack_fingerprint(obj))
 
@@ -92,7 +92,7 @@ def _touched_ids(depsgraph: bpy.types.Depsgraph) -> set[int]:
 
 
 def note_drawn_profile(obj: bpy.types.Object) -> None:
-    """Called by the panel that shows the curve: Blender reports no edits of curves."""
+    """Called by the panel that shows the curve, because Blender does not report edits of curves."""
     runtime = runtimes.of(obj)
     used = runtime.paint.get("profile") if runtime.paint is not None else None
     if used is not None and not np.array_equal(used, field_profile.heights(obj)):

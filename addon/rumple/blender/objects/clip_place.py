@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Where the files of an object belong: its baked clip, and its stored frames. How a blend file names a file."""
+"""The paths of an object's files (its baked clip and its stored frames), and how a blend file stores a path."""
 from __future__ import annotations
 
 import os
@@ -14,36 +14,36 @@ FOLDER = "//rumple"
 
 
 def until_saved(obj: bpy.types.Object) -> Path:
-    """Of the clip of a file that was never saved: Blender's own temporary folder."""
+    """The path of the clip before the file is saved: in Blender's own temporary folder."""
     return Path(bpy.app.tempdir) / "rumple" / clip_folder.clip_name("unsaved", obj.name, "")
 
 
 def is_temporary(clip: Path) -> bool:
-    """Whether it goes when Blender quits."""
+    """Whether the clip is in the temporary folder, which Blender deletes when it quits."""
     return Path(_whole(bpy.app.tempdir)) in Path(_whole(clip)).parents
 
 
 def _whole(path: str | Path) -> str:
-    return os.path.normcase(os.path.abspath(path))  # not resolve(): it fails on some drives of Windows
+    return os.path.normcase(os.path.abspath(path))  # not resolve(), because it fails on some Windows drives
 
 
 def of(obj: bpy.types.Object) -> Path | None:
-    """Of the clip. None where it belongs beside the blend file, and that was never saved."""
+    """The path of the clip. None if it should be beside the blend file, but this file was never saved."""
     folder = compat.blend_path(obj.rumple.bake_folder or FOLDER)
     beside = folder.startswith("//")
     if beside and not bpy.data.filepath:
         return None
-    place = "" if beside else str(Path(bpy.data.filepath).parent)  # files of one name in two folders share this one
+    place = "" if beside else str(Path(bpy.data.filepath).parent)  # two files of the same name share this folder
     return Path(bpy.path.abspath(folder)) / clip_folder.clip_name(Path(bpy.data.filepath).stem, obj.name, place)
 
 
 def stored_path(path: Path) -> str:
-    """How the file is written into the blend file: relative where possible, with forward slashes on any system. A share
-    of Windows keeps its two backslashes: what begins with two slashes is beside the blend file, for Blender."""
+    """The form of a path in the blend file: relative if possible, with forward slashes on any system. A Windows share
+    keeps its two backslashes, because Blender reads two slashes at the start as the blend file's folder."""
     text = str(path)
     if bpy.data.filepath:
         try:
             text = bpy.path.relpath(text)
         except ValueError:
-            pass  # another drive on Windows
+            pass  # another Windows drive
     return text if text.startswith("\\\\") else text.replace("\\", "/")

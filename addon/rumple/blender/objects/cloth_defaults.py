@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the first click sets for a garment that is skinned or simulated, and where it is pinned."""
+"""The settings that the first click chooses for a skinned or simulated garment, and where such a garment is pinned."""
 from __future__ import annotations
 
 from typing import Any
@@ -13,19 +13,19 @@ from ...core.base_mesh import BaseMesh
 from .. import compat
 from . import incoming_mesh, mesh_reader, modifier, properties, rig_scale, runtimes, units
 
-# Their result is cloth already: its small compressions are the simulation's own.
+# Their result is already cloth: its small compressions come from the simulation.
 SIMULATED = frozenset(("CLOTH", "SOFT_BODY", "MESH_CACHE", "MESH_SEQUENCE_CACHE"))
 SIMULATED_DEFAULTS: dict[str, dict[str, Any]] = {
     "MESH": wrinkle_mesh.SIMULATED_DEFAULTS, "FIELD": wrinkle_field.SIMULATED_DEFAULTS}
-CHOICES = ("base_cloth", "layers", "hem_rings", "up", "buckling_threshold", "threshold")  # what is no length
-STEPS = 20  # of the weights that a group starts from
+CHOICES = ("base_cloth", "layers", "hem_rings", "up", "buckling_threshold", "threshold")  # not lengths
+STEPS = 20  # number of different weights in a new group
 
 
 def apply(obj: bpy.types.Object, scene: bpy.types.Scene, lengths: set[str], sheet: bool) -> None:
-    """Make a skinned garment cloth, and give a simulated one layers, unless it was ever said what its wrinkles lie
-    on. What else was set stays.
+    """Make a skinned garment cloth, and give a simulated one layers, unless the artist has set one of the two. Other
+    settings stay.
 
-    lengths: names of those that nobody has set. sheet: of is_sheet().
+    lengths: names of the lengths that nobody has set. sheet: from is_sheet().
     """
     settings = properties.group_of(obj)
     if any(name in properties.fields_of(obj) and settings.is_property_set(name) for name in ("base_cloth", "layers")):
@@ -37,7 +37,7 @@ def apply(obj: bpy.types.Object, scene: bpy.types.Scene, lengths: set[str], shee
 
 
 def defaults(obj: bpy.types.Object, scene: bpy.types.Scene, sheet: bool = False) -> dict[str, Any]:
-    """Settings by what moves the object; none for what is neither skinned nor simulated."""
+    """Settings that depend on how the object moves; empty if it is neither skinned nor simulated."""
     method = obj.rumple.method
     if is_simulated(obj):
         return SIMULATED_DEFAULTS.get(method, {})
@@ -58,7 +58,7 @@ def defaults(obj: bpy.types.Object, scene: bpy.types.Scene, sheet: bool = False)
 
 
 def is_sheet(obj: bpy.types.Object, body: bpy.types.Object | None) -> bool:
-    """Whether a garment is one, as a cape. body: that it is worn over."""
+    """Whether a garment is a sheet, for example a cape. body: the object that it is worn over."""
     if body is None or not len(body.data.vertices):
         return False
     into = np.array(obj.matrix_world.inverted_safe() @ body.matrix_world, np.float32)
@@ -67,18 +67,18 @@ def is_sheet(obj: bpy.types.Object, body: bpy.types.Object | None) -> bool:
 
 
 def is_skirt(obj: bpy.types.Object) -> bool:
-    """Whether it has two openings, and the lower one is far wider."""
+    """Whether a garment has two openings, and the lower one is far wider."""
     return flared.is_flared(cloth_at_rest(obj), _turn(obj)[2])
 
 
 def has_inner_side(obj: bpy.types.Object) -> bool:
-    """Whether it has a modelled thickness."""
+    """Whether a garment has a modelled thickness."""
     base = mesh_reader.base_mesh(obj, "REST_POSE", "")
     return outer_side.without_inner_side(base) is not base
 
 
 def cloth_at_rest(obj: bpy.types.Object) -> BaseMesh:
-    """Of a Wrinkle Mesh without an inner side; the other systems are solved on the mesh as it is."""
+    """The mesh at rest. Of a Wrinkle Mesh, without the inner side; the other systems solve the mesh as it is."""
     base = mesh_reader.base_mesh(obj, "REST_POSE", "")
     return outer_side.without_inner_side(base) if obj.rumple.method == "MESH" else base
 
@@ -88,7 +88,7 @@ def _turn(obj: bpy.types.Object) -> np.ndarray:
 
 
 def is_cloth(obj: bpy.types.Object) -> bool:
-    """Whether it is worn over something: a base cloth is on, or it is simulated. Skin and heads are not."""
+    """Whether an object is cloth: it has a base cloth or is simulated. Skin and heads are not cloth."""
     return properties.group_of(obj).base_cloth != "OFF" or is_simulated(obj)
 
 
@@ -99,13 +99,13 @@ def is_simulated(obj: bpy.types.Object) -> bool:
 
 
 def is_skinned(obj: bpy.types.Object) -> bool:
-    """Whether bones move it."""
+    """Whether an object is moved by bones."""
     return any(m.type == "ARMATURE" and m.object is not None for m in obj.modifiers) or (
         obj.parent is not None and obj.parent.type == "ARMATURE" and obj.parent_type == "ARMATURE")
 
 
 def _nearest(places: np.ndarray, to: np.ndarray) -> list[int]:
-    """Of every row of `to` the nearest of the places."""
+    """For every row of `to`, the index of the nearest row of `places`."""
     tree = KDTree(len(places))
     for number, place in enumerate(places.tolist()):
         tree.insert(place, number)
@@ -114,7 +114,8 @@ def _nearest(places: np.ndarray, to: np.ndarray) -> list[int]:
 
 
 def follow_weights(obj: bpy.types.Object) -> np.ndarray | None:
-    """(n,) float32 of the object's own vertices: where the base cloth is pinned by itself. None before it is made."""
+    """(n,) float32, per vertex of the object's own mesh: where the base cloth is pinned automatically. None before the
+    evaluator exists."""
     fine = runtimes.of(obj).evaluator
     if fine is None:
         return None
@@ -123,12 +124,12 @@ def follow_weights(obj: bpy.types.Object) -> np.ndarray | None:
 
 
 def in_steps(weights: np.ndarray) -> np.ndarray:
-    """float32: so that a vertex group holds few values, and is written in little time."""
+    """Rounded, float32. With few different values a vertex group is written quickly."""
     return (np.round(weights * STEPS) / STEPS).astype(np.float32)
 
 
 def on_own_vertices(obj: bpy.types.Object, weights: np.ndarray) -> np.ndarray:
-    """Of what modifiers in front made, (m,), to the vertices that are painted, (n,)."""
+    """From weights of the incoming mesh, (m,), to weights of the object's own vertices, (n,), which are painted."""
     if incoming_mesh.is_own(obj):
         return weights
     return weights[_nearest(compat.positions(incoming_mesh.of(obj)), compat.positions(obj.data))]

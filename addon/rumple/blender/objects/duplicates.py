@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Duplicates of a character: Blender lets their pointers lead to one another, but not what a collection of Rumple's
-holds. So the copy of a shirt would be worn over the trousers of the first character."""
+"""Duplicates of a character. Blender redirects pointers between the duplicated objects, but not the members of Rumple's
+collections. Without this module the copy of a shirt would be worn over the trousers of the first character."""
 from __future__ import annotations
 
 import bpy
@@ -10,7 +10,7 @@ from . import body_search, made_collections, units
 
 
 def split_worn_over(garments: list[bpy.types.Object]) -> None:
-    """Each garment has a collection of its own, with what moves with it. Not in handlers."""
+    """Give each garment its own collection, with the objects that move with it. Do not call it in handlers."""
     sharing: dict[int, list[bpy.types.Object]] = {}
     for garment in garments:
         collection = garment.rumple.body_collection
@@ -22,7 +22,7 @@ def split_worn_over(garments: list[bpy.types.Object]) -> None:
 
 
 def _split(garments: list[bpy.types.Object]) -> None:
-    """The one that it was made for keeps it."""
+    """The garment that the collection was made for keeps it."""
     collection = garments[0].rumple.body_collection
     members = list(collection.objects)
     wanted = {garment: [_counterpart(member, garment) for member in members] for garment in garments}
@@ -33,8 +33,8 @@ def _split(garments: list[bpy.types.Object]) -> None:
 
 
 def _counterpart(member: bpy.types.Object, garment: bpy.types.Object) -> bpy.types.Object:
-    """What has the mesh of a member, or its name but for the number, and follows the armature of a garment. The member
-    itself where it does so, or nothing else."""
+    """The object that follows the armature of a garment and has the same mesh as a member, or the same name except for
+    the number. The member itself if it follows this armature, or if no other object fits."""
     rigs = body_search.armatures(garment)
     if not rigs or rigs & body_search.armatures(member):
         return member
@@ -44,6 +44,6 @@ def _counterpart(member: bpy.types.Object, garment: bpy.types.Object) -> bpy.typ
 
 
 def _stem(obj: bpy.types.Object) -> str:
-    """Its name without the number that Blender adds to a duplicate's."""
+    """The name of an object without the number that Blender appends to duplicates."""
     name, _, number = obj.name.rpartition(".")
     return name if name and len(number) >= 3 and number.isdigit() else obj.name

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Which parts of a garment hang free of the body, for the first click: the skirt of a dress, a wide sleeve, a coat
-below the waist. They are painted, so that the artist sees and changes them."""
+"""Finds the parts of a garment that hang free of the body, for the first click: the skirt of a dress, a wide sleeve, a
+coat below the waist. These parts are painted, so that the artist can see and change them."""
 from __future__ import annotations
 
 from typing import NamedTuple
@@ -17,27 +17,27 @@ from ...core.vertices import places
 from .. import compat
 from . import bodies, body_search, cloth_defaults, incoming_mesh, mesh_reader, painted_maps, properties, rig_scale
 
-FARTHEST = 0.3  # metres, of a garment that an adult wears: what is farther does not tell
-UNDER = 0.5  # cosine between the inner side of the cloth and the way to the body, at least: it lies below, not beside
-SAMPLES = 400  # vertices at most that tell whether to look at all of them
+FARTHEST = 0.3  # metres, of an adult's garment: surfaces farther away are ignored
+UNDER = 0.5  # least cosine of the angle between inward normal and body: the body is below the cloth, not beside it
+SAMPLES = 400  # largest number of vertices in the first test
 
 
 class _Surface(NamedTuple):
-    """Of a body or a garment, at rest."""
+    """The surface of a body or a garment at rest."""
 
     tree: BVHTree
-    ends: np.ndarray  # (t,) bool: the triangle is at a border; bodies are mostly deleted under clothes
+    ends: np.ndarray  # (t,) bool: the triangle is at a border; bodies are often deleted under clothes
 
     @classmethod
     def of(cls, obj: bpy.types.Object, tree: BVHTree | None) -> "_Surface":
-        """tree: of tree_of(), where there is one already."""
+        """tree: from tree_of(), if it already exists."""
         return cls(tree or body_search.tree_of(obj), at_border(body_search.triangles_of(obj)))
 
 
 def give_room(obj: bpy.types.Object, scene: bpy.types.Scene, trees: dict[bpy.types.Object, BVHTree], sheet: bool,
               is_set: bool) -> None:
-    """To what hangs free of the body; to all of a skirt or a cape where it is not known what is below it, unless the
-    artist has set its room. trees, sheet: as of paint()."""
+    """Give room to the parts that hang free of the body. If nothing is known about the surface below, give it to the
+    whole of a skirt or a cape, unless the artist has set its room. trees, sheet: as in paint()."""
     settings = properties.group_of(obj)
     if settings.base_cloth == "OFF":
         return
@@ -47,10 +47,10 @@ def give_room(obj: bpy.types.Object, scene: bpy.types.Scene, trees: dict[bpy.typ
 
 def paint(obj: bpy.types.Object, scene: bpy.types.Scene, trees: dict[bpy.types.Object, BVHTree],
           sheet: bool) -> bool:
-    """Paint Hangs Free where the cloth of an object is away from all that it is worn over; on a sheet, as a cape is,
-    below its upper end. What was painted stays; where next to nothing hangs free, or everything has the room of it,
-    nothing is painted. True where the map is there then. trees: of tree_of(), of what has one already. Cost: 10 ms per
-    1,000 vertices and body; of most garments 10 ms."""
+    """Paint Hangs Free where the cloth of an object is away from all that it is worn over; on a sheet (for example a
+    cape), below its upper end. An existing map is not changed. Nothing is painted if almost nothing hangs free, or if
+    the whole garment has at least the free room. Returns whether the map exists afterwards. trees: existing trees from
+    tree_of(). Cost: 10 ms per 1,000 vertices and body; for most garments 10 ms."""
     painted, settings = painted_maps.find(obj, hangs_free.FREE), properties.group_of(obj)
     if painted is None or painted.exists:
         return painted is not None
@@ -78,8 +78,8 @@ def _free_of_bodies(obj: bpy.types.Object, rest: np.ndarray, scene: bpy.types.Sc
 
 
 def _free_share(obj: bpy.types.Object, rest: np.ndarray, over: list[_Surface], metre: float) -> np.ndarray | None:
-    """(n,) float32 of the object's own vertices; None where a sample says that it lies on what it is worn over. rest:
-    (n, 3) in the world. metre: metres of a unit of the world."""
+    """(n,) float32, per vertex of the object's own mesh; None if a sample shows that the garment is close to its
+    bodies. rest: (n, 3) in world space. metre: metres per world unit."""
     turn = obj.matrix_world.to_3x3().inverted_safe().transposed()
     size = size_factor(Vector(np.ptp(rest, axis=0)).length, metre)
 
@@ -91,7 +91,7 @@ def _free_share(obj: bpy.types.Object, rest: np.ndarray, over: list[_Surface], m
 
     outer = _cloth_vertices(obj)
     sample = outer[::max(len(outer) // SAMPLES, 1)]
-    # Which side is the outer one is looked up for those that need it.
+    # Try both sides. The outer side is determined only for garments that pass this test.
     if not any((share(sample, side) > 0.5).mean() >= hangs_free.LEAST_FREE for side in (1.0, -1.0)):
         return None
     return hangs_free.spread(share(np.arange(len(rest)), body_search.side_of(obj)), compat.edge_vertices(obj.data),
@@ -99,15 +99,16 @@ def _free_share(obj: bpy.types.Object, rest: np.ndarray, over: list[_Surface], m
 
 
 def _cloth_vertices(obj: bpy.types.Object) -> np.ndarray:
-    """Ascending: those of the object's own vertices that tell; the inner side of thick cloth has no body below it. A
-    Mirror or Solidify modifier adds its vertices behind them, and these may be all of the outer side."""
+    """The object's own vertices that are tested, ascending. The inner side of thick cloth is left out, because it has
+    no body below it. If a Mirror or Solidify modifier has made the whole outer side, all own vertices are used."""
     own = np.arange(len(obj.data.vertices))
     outer = np.intersect1d(own, body_search.triangles_of(obj))
     return outer if len(outer) else own
 
 
 def _distances(places: list[Vector], normals: list[Vector], over: list[_Surface], farthest: float) -> np.ndarray:
-    """(n,) world units to the nearest surface below the cloth; NaN where none is within reach, or where it ends."""
+    """(n,) distances in world units to the nearest surface below the cloth. NaN if there is none within reach, or if
+    the nearest point is at a border."""
     found = np.full(len(places), np.nan)
     for number, (place, normal) in enumerate(zip(places, normals)):
         near = farthest

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Guides of a garment: curves that are its children, and its seams, as core/fold_guides.py takes them.
+"""Guides of a garment: its child curves and its seams, in the form that core/fold_guides.py needs.
 
-Each curve says on `object.rumple_guide` what its folds are. It is read in the garment's own space, as it lies at rest:
-neither the pose nor the place of the garment counts.
+`object.rumple_guide` of each curve has the settings of its folds. A curve is read in the garment's object space at
+rest, independent of the pose and the location of the garment.
 """
 from __future__ import annotations
 
@@ -19,8 +19,8 @@ from .. import compat, scheduler
 from . import incoming_mesh, runtimes, units
 
 _OVERRIDE = {"LIBRARY_OVERRIDABLE"}
-SPACING, DEPTH, REACH = 0.03, 0.006, 0.15  # metres, of a new guide
-SEAM_RINGS = 2  # spacings that puckers of a seam reach over, both sides together
+SPACING, DEPTH, REACH = 0.03, 0.006, 0.15  # metres, defaults of a new guide
+SEAM_RINGS = 2  # width of a seam's puckers in spacings, both sides together
 
 
 def _changed(group: bpy.types.PropertyGroup, _context: bpy.types.Context) -> None:
@@ -60,17 +60,17 @@ class RUMPLE_Guide(bpy.types.PropertyGroup):
 
 
 def of(garment: bpy.types.Object) -> list[bpy.types.Object]:
-    """Its guides, in the order of their names."""
+    """The garment's guides, ordered by name."""
     return [child for child in garment.children if child.type == "CURVE" and child.rumple_guide.is_guide]
 
 
 def make_folds(garment: bpy.types.Object) -> bool:
-    """Whether its guides are shapes, which shading of a coarse mesh cannot show."""
+    """Whether its guides make geometric folds, which the shading of a coarse mesh cannot show."""
     return garment.rumple_guide.seam_depth > 0.0 or any(guide.rumple_guide.kind != "DIRECTION" for guide in of(garment))
 
 
 def read_again(garment: bpy.types.Object | None) -> None:
-    """The next update reads the guides."""
+    """Mark the guides, so that the next update reads them."""
     runtime = None if garment is None else runtimes.known(garment)
     if runtime is not None:
         runtime.paint = None
@@ -78,7 +78,8 @@ def read_again(garment: bpy.types.Object | None) -> None:
 
 
 def note_updates(garment: bpy.types.Object, touched: set[int]) -> None:
-    """Called after an update, which may have changed, added or removed guides. touched: session keys of what did."""
+    """Called after an update, which may have changed, added or removed guides. touched: session keys of the changed
+    data."""
     runtime, found = runtimes.of(garment), of(garment)
     names = [guide.name for guide in found]
     if names != runtime.guides or any(compat.session_key(key) in touched for guide in found
@@ -88,10 +89,10 @@ def note_updates(garment: bpy.types.Object, touched: set[int]) -> None:
 
 
 def read(garment: bpy.types.Object, rest_of: Callable[[], np.ndarray]) -> np.ndarray | None:
-    """The rows of all guides; None where there are none. rest_of: gives (n, 3) positions of the incoming mesh. Raises
+    """The rows of all guides; None if there are none. rest_of: returns (n, 3) positions of the incoming mesh. Raises
     UserError."""
     scene = units.scene_of(garment)
-    # Lengths are kept in the scene's units.
+    # Lengths are stored in the scene's units.
     scale = scene.unit_settings.scale_length / (units.metres_per_unit(garment, scene) or 1.0)
     rows: list[np.ndarray] = []
     for guide in of(garment):
@@ -117,7 +118,7 @@ def read(garment: bpy.types.Object, rest_of: Callable[[], np.ndarray]) -> np.nda
 
 
 def _lines(curve: bpy.types.Curve) -> Iterator[np.ndarray]:
-    """(k, 4) place and radius of the points of every spline."""
+    """(k, 4) position and radius of the points, for every spline."""
     for spline in curve.splines:
         if spline.type == "BEZIER":
             points = _bezier_points(spline)
@@ -140,7 +141,7 @@ def _bezier_points(spline: bpy.types.Spline) -> list[tuple[float, ...]]:
 
 
 def _seams(mesh: bpy.types.Mesh) -> Iterator[list[int]]:
-    """Vertices of every line of edges that are marked as seams."""
+    """The vertices of every line of edges that are marked as seams."""
     marked = compat.edge_marks(mesh).get("use_seam")
     if marked is None:
         return
@@ -148,8 +149,8 @@ def _seams(mesh: bpy.types.Mesh) -> Iterator[list[int]]:
     for one, two in compat.edge_vertices(mesh)[marked].tolist():
         beside.setdefault(one, []).append(two)
         beside.setdefault(two, []).append(one)
-    ends = dict.fromkeys(vertex for vertex in sorted(beside) if len(beside[vertex]) != 2)  # in order, and found fast
-    for begin in (*ends, *sorted(beside)):  # lines between ends first; what is left are rings
+    ends = dict.fromkeys(vertex for vertex in sorted(beside) if len(beside[vertex]) != 2)  # ordered, with fast lookup
+    for begin in (*ends, *sorted(beside)):  # first the lines between ends; the rest are rings
         while beside[begin]:
             chain = [begin]
             while beside[chain[-1]] and (len(chain) == 1 or chain[-1] not in ends):

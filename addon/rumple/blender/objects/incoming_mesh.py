@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The coarse mesh as it arrives at the wrinkles, undeformed.
 
-Without modifiers in front that change the number of points it is the object's mesh. With them (Mirror, Solidify,
-Subdivision, nodes, ...) it is a mesh of its own, made by those modifiers at rest and kept with the object: what is read
-of the coarse mesh (faces, UV maps, groups, attributes, rest shape) is read of this one.
+This is the object's mesh if no modifier in front changes the number of points. With such modifiers (Mirror, Solidify,
+Subdivision, nodes, ...) it is a separate mesh, made by these modifiers at rest and stored with the object. All data of
+the coarse mesh (faces, UV maps, groups, attributes, rest shape) is read from this mesh.
 """
 from __future__ import annotations
 
@@ -22,28 +22,28 @@ SUFFIX = ".incoming"
 _CAPTURED = (wrinkle_tree.REST_POSITION, wrinkle_tree.REST_BASIS)
 
 
-_mirrored: dict[bpy.types.Object, bpy.types.Mesh] = {}  # while whole() lasts
+_mirrored: dict[bpy.types.Object, bpy.types.Mesh] = {}  # only inside whole()
 
 
 def of(obj: bpy.types.Object) -> bpy.types.Mesh:
-    """What is there now; see update()."""
+    """The current incoming mesh; see update()."""
     kept = obj.rumple.incoming
     return _mirrored.get(obj, obj.data) if kept is None else kept
 
 
 def is_own(obj: bpy.types.Object) -> bool:
-    """Whether it is the object's own mesh: what is selected or painted there is what arrives."""
+    """Whether the incoming mesh is the object's own mesh. Then selection and paint on it can be used directly."""
     return obj.rumple.incoming is None
 
 
 def update(obj: bpy.types.Object) -> None:
-    """Make it what it should be. Structural work: it makes and removes data-blocks."""
+    """Make, replace or remove the separate mesh. This is structural work, because it makes and removes data-blocks."""
     if not compat.is_editable(obj):
         return
     kept, made = obj.rumple.incoming, None
     if modifier.topology_changer_before(obj) is not None:
         made = _evaluated_at_rest(obj)
-        if _same_faces(made, obj.data):  # a node group that only moves points, say
+        if _same_faces(made, obj.data):  # for example, a node group that only moves points
             bpy.data.meshes.remove(made)
             made = None
     if made is not None and kept is not None and kept.users == 1 and _content(made) == _content(kept):
@@ -53,14 +53,14 @@ def update(obj: bpy.types.Object) -> None:
         _keep_captured(kept if kept is not None else obj.rumple.captured, made)
     obj.rumple.incoming = made
     if made is None and kept is not None and wrinkle_tree.REST_POSITION in kept.attributes:
-        obj.rumple.captured, kept = kept, obj.rumple.captured  # the modifier may come back
+        obj.rumple.captured, kept = kept, obj.rumple.captured  # keep it, because the modifier may come back
     drop(kept)
 
 
 @contextmanager
 def whole(objects: Iterable[bpy.types.Object]) -> Iterator[None]:
-    """While it lasts, of() has both halves of a body that was modelled as one half, with a Mirror modifier, wherever it
-    stands. Structural work. Cost: some evaluations of each of those."""
+    """Inside this context, of() has both halves of a body that was modelled as one half with a Mirror modifier,
+    wherever this is in the stack. This is structural work. Cost: some evaluations of each such body."""
     made = []
     try:
         for obj in objects:
@@ -75,7 +75,7 @@ def whole(objects: Iterable[bpy.types.Object]) -> Iterator[None]:
 
 
 def forget(obj: bpy.types.Object) -> None:
-    """Its wrinkles have gone."""
+    """Called when the wrinkles were removed."""
     for name in ("incoming", "captured"):
         mesh = getattr(obj.rumple, name)
         if mesh is not None:
@@ -84,13 +84,13 @@ def forget(obj: bpy.types.Object) -> None:
 
 
 def drop(mesh: bpy.types.Mesh | None) -> None:
-    """Remove a kept one that no object has any more."""
+    """Remove a stored mesh without users."""
     if mesh is not None and mesh.users == 0 and compat.is_editable(mesh):
         bpy.data.meshes.remove(mesh)
 
 
 def _keep_captured(former: bpy.types.Mesh | None, mesh: bpy.types.Mesh) -> None:
-    """A captured rest shape, where it still fits."""
+    """Copy a captured rest shape if it still fits."""
     if former is None or len(former.vertices) != len(mesh.vertices):
         return
     for name in _CAPTURED:
@@ -108,7 +108,7 @@ def _same_faces(one: bpy.types.Mesh, other: bpy.types.Mesh) -> bool:
 
 
 def _content(mesh: bpy.types.Mesh) -> str:
-    """Hash of its faces, positions, groups and attributes; what was captured does not count."""
+    """Hash of faces, positions, groups and attributes, without the captured ones."""
     digest = hashlib.sha1()
     for values in (compat.positions(mesh), *_faces(mesh)):
         digest.update(values.tobytes())
@@ -118,7 +118,7 @@ def _content(mesh: bpy.types.Mesh) -> str:
             digest.update(attribute.name.encode() + compat.read_attribute(attribute).tobytes())
     for layer in mesh.uv_layers:
         digest.update(layer.name.encode() + compat.uv_values(layer).tobytes())
-    for prop, values in compat.edge_marks(mesh).items():  # no attributes in 3.4
+    for prop, values in compat.edge_marks(mesh).items():  # in 3.4 these are not attributes
         digest.update(prop.encode() + values.tobytes())
     digest.update(repr([[(group.group, group.weight) for group in vertex.groups] for vertex in mesh.vertices]).encode())
     return digest.hexdigest()
@@ -126,8 +126,8 @@ def _content(mesh: bpy.types.Mesh) -> str:
 
 # ---------------------------------------------------------------- at rest
 def _evaluated_at_rest(obj: bpy.types.Object, mirrored: bool = False) -> bpy.types.Mesh:
-    """What the modifiers in front make of the rest shape, without those that deform. A new mesh. A node group may do
-    either: where the faces are the same without it, it deforms. mirrored: a Mirror behind counts as well."""
+    """A new mesh: the result of the non-deforming modifiers in front for the rest shape. A node group counts as
+    deforming if the faces are the same without it. mirrored: also apply a Mirror behind."""
     with _bare_copy(obj, mirrored) as bare:
         mesh = _evaluated(bare)
         for nodes_mod in [m for m in bare.modifiers if m.type == "NODES"]:
@@ -150,17 +150,17 @@ def _evaluated(bare: bpy.types.Object) -> bpy.types.Mesh:
 
 @contextmanager
 def _bare_copy(obj: bpy.types.Object, mirrored: bool) -> Iterator[bpy.types.Object]:
-    """The object with the modifiers in front that do not deform, at the shape key that is its rest shape. mirrored: and
-    with every Mirror."""
+    """A copy of the object with the non-deforming modifiers in front, at the shape key that is its rest shape.
+    mirrored: also with every Mirror."""
     with scheduler.suspended():
         bare = obj.copy()
         try:
             for m in [m for m in modifier.deforming_and_behind(bare) if not (mirrored and m.type == "MIRROR")]:
                 bare.modifiers.remove(m)
             bare.animation_data_clear()
-            bare.hide_viewport = False  # else it is not evaluated
-            place = obj.matrix_world.copy()  # Mirror and the like look at others from there ...
-            bare.parent = None  # ... and an armature, lattice or curve as a parent deforms
+            bare.hide_viewport = False  # hidden objects are not evaluated
+            place = obj.matrix_world.copy()  # keep the place, because Mirror and others may use other objects
+            bare.parent = None  # because an armature, lattice or curve as a parent deforms
             bare.constraints.clear()
             bare.matrix_world = place
             bare.show_only_shape_key, bare.active_shape_key_index = True, _rest_key(obj)
@@ -168,11 +168,11 @@ def _bare_copy(obj: bpy.types.Object, mirrored: bool) -> Iterator[bpy.types.Obje
             yield bare
         finally:
             bpy.data.objects.remove(bare)
-            bpy.context.view_layer.update()  # while nobody takes what it touched for an edit
+            bpy.context.view_layer.update()  # inside suspended(), so that these updates do not count as edits
 
 
 def _rest_key(obj: bpy.types.Object) -> int:
-    """Number of the shape key that is the rest shape; 0: the basis."""
+    """Index of the shape key that is the rest shape; 0: the basis."""
     keys = obj.data.shape_keys
     settings = getattr(obj.rumple, obj.rumple.method.lower(), None)
     if keys is None or getattr(settings, "rest_shape", "") != "SHAPE_KEY":
@@ -182,7 +182,8 @@ def _rest_key(obj: bpy.types.Object) -> int:
 
 # ---------------------------------------------------------------- changes
 def stack_fingerprint(obj: bpy.types.Object) -> str:
-    """Of the settings of the modifiers in front that count for it. Those that are animated do not."""
+    """The settings of the non-deforming modifiers in front as a text, to detect changes. Animated settings are left
+    out."""
     animated = compat.animated_paths(obj)
     rows = []
     for m in modifier.in_front(obj):
@@ -199,11 +200,11 @@ def stack_fingerprint(obj: bpy.types.Object) -> str:
 
 
 def _plain(value: Any) -> str:
-    """In words that are the same while the value is."""
+    """A text that is the same as long as the value is."""
     if isinstance(value, bpy.types.ID):
         return value.name_full
     if isinstance(value, bpy.types.bpy_struct):
-        return ""  # its words hold an address
+        return ""  # its text has an address
     if isinstance(value, bpy.types.bpy_prop_collection):
         return str(len(value))
     return repr(tuple(value) if hasattr(value, "__len__") and not isinstance(value, (str, set)) else value)

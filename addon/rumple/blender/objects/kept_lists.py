@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Which objects have one of our modifiers: searched for once after something may have changed, then kept.
+"""Lists of the objects with one of our modifiers. A search runs only after something may have changed.
 
-Kept are names, not objects: undo and deletion free those behind Python's back. Every use looks them up again. What
-adds, removes or copies modifiers outside of our own code is followed by an update, a frame, a file or an undo, and
-handlers.py lets go of the lists then.
+The lists store names, not objects, because undo and deletion free objects without telling Python. Every use looks the
+names up. Other code that adds, removes or copies modifiers is always followed by an update, a frame, a file or an undo.
+handlers.py then discards the lists.
 """
 from __future__ import annotations
 
@@ -18,26 +18,26 @@ Found = tuple[bpy.types.Object, bpy.types.NodesModifier]
 
 
 class ModifiedObjects:
-    """The objects with a modifier of some kind, in the order of their names."""
+    """The objects with a modifier of some kind, ordered by name."""
 
     def __init__(self, is_ours: Callable[[bpy.types.NodeTree | None], bool], hidden: tuple[str, ...] = ()) -> None:
-        """is_ours: of the node groups of that kind. hidden: their inputs that hold hidden objects."""
+        """is_ours: tests whether a node group is of that kind. hidden: its inputs that refer to hidden objects."""
         self.is_ours, self.hidden = is_ours, hidden
-        self._names: list[tuple[str, str | None]] | None = None  # with the file that a linked object comes from
-        self._count = 0  # when they were searched for last
+        self._names: list[tuple[str, str | None]] | None = None  # with the file of a linked object
+        self._count = 0  # at the last search
         _all.append(self)
 
     def find(self, obj: bpy.types.Object) -> bpy.types.NodesModifier | None:
-        """The first such modifier of an object, by its node group: artists may rename modifiers."""
+        """The first such modifier of an object. It is found by its node group, because artists may rename modifiers."""
         return next((m for m in obj.modifiers if m.type == "NODES" and self.is_ours(m.node_group)), None)
 
     def forget(self) -> None:
-        """Search again."""
+        """Search again at the next use."""
         self._names = None
 
     def remove(self, obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier, inputs: Iterable[str]) -> None:
-        """Take the modifier away, and its node group when it was the last. inputs: names of those that hold
-        data-blocks, which lose a user."""
+        """Remove the modifier, and its node group if this was the last one. inputs: names of inputs with data-blocks,
+        which lose a user."""
         group = nodes_mod.node_group
         for name in inputs:
             if get_input(nodes_mod, name) is not None:
@@ -47,7 +47,7 @@ class ModifiedObjects:
         _drop_unused(group)
 
     def drop_unused_groups(self) -> None:
-        """Node groups whose last modifier was removed by Blender's own buttons."""
+        """Remove node groups whose last modifier was removed with Blender's own buttons."""
         for group in [group for group in bpy.data.node_groups if self.is_ours(group)]:
             _drop_unused(group)
 
@@ -57,13 +57,13 @@ class ModifiedObjects:
             found = self._searched()
             self._names = [(obj.name, obj.library and obj.library.filepath) for obj, _ in found]
             if len(found) < self._count:
-                scheduler.request()  # Blender's X says nothing: what the modifier leaves behind is to go
+                scheduler.request()  # Blender's X reports nothing: request the removal of leftovers
             self._count = len(found)
         return iter(found)
 
     def _looked_up(self) -> list[Found] | None:
-        """None where the list does not hold any more."""
-        names = self._names  # of now: a render's thread may forget them meanwhile
+        """None if the list is no longer valid."""
+        names = self._names  # a copy, because a render's thread may discard the list
         if names is None:
             return None
         found = []
@@ -76,9 +76,9 @@ class ModifiedObjects:
         return found
 
     def _searched(self) -> list[Found]:
-        """From bpy.data, not from the scene: scene.objects misses the insides of collection instances."""
+        """Search bpy.data, because scene.objects misses objects inside collection instances."""
         if not any(self.is_ours(group) for group in bpy.data.node_groups):
-            return []  # the common case in big files must cost nothing
+            return []  # the common case in big files must be cheap
         candidates = (obj for obj in bpy.data.objects if obj.type == "MESH" and len(obj.modifiers))
         pairs = ((obj, self.find(obj)) for obj in candidates)
         return [(obj, nodes_mod) for obj, nodes_mod in pairs if nodes_mod is not None]
@@ -93,13 +93,13 @@ _all: list[ModifiedObjects] = []
 
 
 def with_hidden() -> Iterator[tuple[bpy.types.Object, bpy.types.NodesModifier, tuple[str, ...]]]:
-    """All modifiers that hold hidden objects, with the names of these inputs."""
+    """All modifiers that refer to hidden objects, with the names of these inputs."""
     for objects in _all:
         if objects.hidden:
             yield from ((obj, nodes_mod, objects.hidden) for obj, nodes_mod in objects)
 
 
 def forget_all() -> None:
-    """Anything may have been added, removed or renamed."""
+    """Called when objects or modifiers may have been added, removed or renamed."""
     for objects in _all:
         objects.forget()

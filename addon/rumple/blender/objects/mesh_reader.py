@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Reading coarse meshes, own meshes, painted groups and posed positions as flat arrays."""
+"""Reads coarse meshes, own meshes, painted groups and posed positions as flat arrays."""
 from __future__ import annotations
 
 import hashlib
@@ -20,7 +20,7 @@ from .. import compat
 from ..nodes import field_profile, wrinkle_tree
 from . import guide_curves, incoming_mesh, own_mesh_place, rig_scale
 
-# Paint of the Wrinkle Mesh: key of the engine -> vertex group on the coarse mesh.
+# Painted maps: key of the engine -> vertex group on the coarse mesh.
 MESH_GROUPS: dict[str, str] = {
     "radius": "Rumple Radius",
     "prestretch": "Rumple Pre-Stretch",
@@ -36,25 +36,25 @@ MESH_GROUPS: dict[str, str] = {
     RIGID: "Rumple Rigid",
     WIDTH: "Rumple Wavelength",
 }
-MOST_SHARPNESS = 10.0  # of a crease of 1: it stays, as in Blender's Subdivision
+MOST_SHARPNESS = 10.0  # of a crease of 1: it always stays sharp, as in Blender's Subdivision
 REST_WRINKLE = "rumple_rest_wrinkle"  # painted vectors of the Wrinkle Field, a point attribute of the coarse mesh
-LEAST_WAVELENGTH = 0.1  # of the factor that a vertex group paints: its zero means "nothing painted" elsewhere
-ATTACHED_GROUP = "Rumple Attached"  # on an own mesh: points below one half stay unattached
+LEAST_WAVELENGTH = 0.1  # least painted factor, because a weight of 0 means "nothing painted" in other maps
+ATTACHED_GROUP = "Rumple Attached"  # on an own mesh: points with a weight below 0.5 are not attached
 
 
-_BUSY_MODES = frozenset(("EDIT", "SCULPT"))  # the mesh there is not what the object will be
+_BUSY_MODES = frozenset(("EDIT", "SCULPT"))  # the mesh data does not yet have the edits
 
 
 def is_busy(obj: bpy.types.Object) -> bool:
-    """Whether a mesh object is edited, itself, by way of another one that shares its mesh, or its own fine mesh: what
-    is read then is empty, or not what it will be."""
+    """Whether an object is being edited: itself, through another object with the same mesh, or its own fine mesh. Its
+    mesh data is then empty or outdated."""
     own = obj.rumple.own_mesh
     return (obj.mode in _BUSY_MODES or obj.data.is_editmode
             or (own is not None and own.type == "MESH" and own.data.is_editmode))
 
 
 def base_mesh(obj: bpy.types.Object, rest_shape: str, rest_key: str) -> engine.BaseMesh:
-    """The coarse mesh of an object at rest. Raises engine.UserError with a sentence for the panel."""
+    """The coarse mesh of an object at rest. Raises engine.UserError with a message for the panel."""
     mesh = incoming_mesh.of(obj)
     mesh.calc_loop_triangles()
     base = _flat_mesh(obj.name, mesh, rest_positions(obj, rest_shape, rest_key))
@@ -64,14 +64,14 @@ def base_mesh(obj: bpy.types.Object, rest_shape: str, rest_key: str) -> engine.B
 
 
 def narrowest(obj: bpy.types.Object, settings: Settings) -> float:
-    """BaseMesh.narrowest: of the systems that solve a finer mesh for it."""
+    """BaseMesh.narrowest, for the systems that refine their solved mesh for it."""
     if isinstance(settings, FieldSettings) or (isinstance(settings, MeshSettings) and not settings.layered):
         return 1.0
     return narrowest_of(_map_of_every_system(obj, incoming_mesh.of(obj), WIDTH))
 
 
 def _map_of_every_system(obj: bpy.types.Object, mesh: bpy.types.Mesh, key: str) -> np.ndarray | None:
-    """(n,) as paint() has it for every system."""
+    """(n,), a map of paint() that is the same for every system."""
     name = MESH_GROUPS[key]
     if name in obj.vertex_groups:
         return group_weights(obj, mesh, [name])[:, 0]
@@ -80,13 +80,13 @@ def _map_of_every_system(obj: bpy.types.Object, mesh: bpy.types.Mesh, key: str) 
 
 
 def render_uv(mesh: bpy.types.Mesh) -> np.ndarray | None:
-    """The UV map that renders use, (corners, 2) float32; None where there is none."""
+    """The UV map that renders use, (corners, 2) float32; None if there is none."""
     layer = next((layer for layer in mesh.uv_layers if layer.active_render), None)
     return None if layer is None else compat.uv_values(layer)
 
 
 def own_mesh(obj: bpy.types.Object, own: bpy.types.Object) -> engine.BaseMesh:
-    """An artist's fine mesh in the object space of obj, as its undeformed mesh stands."""
+    """The artist's own fine mesh, undeformed, in the object space of obj."""
     mesh = own.data
     mesh.calc_loop_triangles()
     into = np.array(own_mesh_place.of(obj, own), np.float32)
@@ -104,9 +104,9 @@ def _flat_mesh(name: str, mesh: bpy.types.Mesh, positions: np.ndarray) -> engine
 
 
 def _creases(mesh: bpy.types.Mesh) -> tuple[np.ndarray | None, np.ndarray | None]:
-    """Edges with a crease, and for how many subdivisions they stay sharp: as Blender's Subdivision has it."""
+    """Edges with a crease, and for how many subdivisions they stay sharp, as in Blender's Subdivision."""
     values = compat.edge_creases(mesh)
-    creased = np.flatnonzero(values > 0.0)  # an attribute may hold anything: not what is no number
+    creased = np.flatnonzero(values > 0.0)  # an attribute may have any value; this leaves out NaN
     if not len(creased):
         return None, None
     crease = np.minimum(values[creased], np.float32(1.0))
@@ -115,7 +115,7 @@ def _creases(mesh: bpy.types.Mesh) -> tuple[np.ndarray | None, np.ndarray | None
 
 # ---------------------------------------------------------------- rest shapes
 def rest_positions(obj: bpy.types.Object, rest_shape: str, rest_key: str) -> np.ndarray:
-    """Positions that count as unwrinkled, (n, 3) float32."""
+    """Positions without wrinkles, (n, 3) float32."""
     mesh = incoming_mesh.of(obj)
     if rest_shape == "FRAME":
         attribute = mesh.attributes.get(wrinkle_tree.REST_POSITION)
@@ -128,17 +128,17 @@ def rest_positions(obj: bpy.types.Object, rest_shape: str, rest_key: str) -> np.
             raise engine.UserError(f"{obj.name}: it has no shape key named \"{rest_key}\" to rest at: choose another")
         if incoming_mesh.is_own(obj):
             return key_positions(blocks[rest_key])
-    return basis_positions(mesh)  # what modifiers made of a shape key has that shape
+    return basis_positions(mesh)  # the incoming mesh was made from this shape key
 
 
 def basis_positions(mesh: bpy.types.Mesh) -> np.ndarray:
-    """Of the undeformed mesh, (n, 3) float32."""
+    """Positions of the undeformed mesh, (n, 3) float32."""
     keys = mesh.shape_keys
     return key_positions(keys.reference_key) if keys else compat.positions(mesh)
 
 
 def key_positions(key: bpy.types.ShapeKey) -> np.ndarray:
-    """Of the vertices under a shape key, (n, 3) float32."""
+    """Positions of the vertices in a shape key, (n, 3) float32."""
     flat = np.empty(len(key.data) * 3, np.float32)
     key.data.foreach_get("co", flat)
     return flat.reshape(-1, 3)
@@ -146,9 +146,9 @@ def key_positions(key: bpy.types.ShapeKey) -> np.ndarray:
 
 # ---------------------------------------------------------------- vertex groups
 def group_weights(obj: bpy.types.Object, mesh: bpy.types.Mesh, names: list[str]) -> np.ndarray:
-    """Weights of the named vertex groups of obj, (n, groups) float32; 0 where a vertex is in none.
+    """Weights of the named vertex groups of obj, (n, groups) float32; 0 if a vertex is not in the group.
 
-    Deform weights have no fast access in any Blender: this walks all vertices, 1 ms per 1000.
+    Blender has no fast access to deform weights: this visits all vertices, 1 ms per 1000.
     """
     column = {group.index: names.index(group.name) for group in obj.vertex_groups if group.name in names}
     weights = np.zeros((len(mesh.vertices), len(names)), np.float32)
@@ -166,7 +166,7 @@ Settings = Union[MeshSettings, FieldSettings, PathsSettings]
 
 
 def paint_groups(settings: Settings) -> dict[str, str]:
-    """Key of the engine -> vertex group, or float attribute, that paints it."""
+    """Key of the engine -> name of the vertex group or float attribute that paints it."""
     cloth = {key: MESH_GROUPS[key] for key in (*PAINTED, RIGID)}
     if isinstance(settings, FieldSettings):
         return {"mask": settings.mask, WIDTH: settings.wavelength_scale, **cloth}
@@ -176,7 +176,7 @@ def paint_groups(settings: Settings) -> dict[str, str]:
 
 
 def paint(obj: bpy.types.Object, settings: Settings) -> dict[str, np.ndarray]:
-    """What is painted for the solver: (n,) or (n, 3) float32 for everything that exists."""
+    """All existing painted maps for the solver: (n,) or (n, 3) float32."""
     names = paint_groups(settings)
     keys = [key for key, name in names.items() if name in obj.vertex_groups]
     mesh = incoming_mesh.of(obj)
@@ -186,7 +186,7 @@ def paint(obj: bpy.types.Object, settings: Settings) -> dict[str, np.ndarray]:
     if guides is not None:
         guides[:, :3] *= np.float32(rig_scale.of_rest(obj, settings.rest_shape))  # their points
     if guides is not None and isinstance(settings, FieldSettings) and settings.output == "SHADING":
-        guides = guides[guides[:, KIND] == DIRECTION]  # the triangles can show no fold of another shape
+        guides = guides[guides[:, KIND] == DIRECTION]  # shading shows no geometric folds
     if guides is not None and len(guides):
         painted[GUIDES] = guides
     if WIDTH in painted and not isinstance(settings, MeshSettings):
@@ -212,7 +212,7 @@ def _point_attribute(mesh: bpy.types.Mesh, name: str, data_type: str) -> np.ndar
 
 
 def attached(own: bpy.types.Object) -> np.ndarray | None:
-    """Which points of an own mesh are attached, (n,) bool; None where all are."""
+    """Which points of an own mesh are attached, (n,) bool; None if all are."""
     if ATTACHED_GROUP not in own.vertex_groups:
         return None
     return group_weights(own, own.data, [ATTACHED_GROUP])[:, 0] >= 0.5
@@ -220,11 +220,11 @@ def attached(own: bpy.types.Object) -> np.ndarray | None:
 
 # ---------------------------------------------------------------- posed positions
 def posed_positions(evaluated: bpy.types.Object, count: int) -> np.ndarray | None:
-    """Incoming coarse positions of this depsgraph's frame, (count, 3); None where the tree did not run, or points are
-    gone.
+    """Incoming coarse positions in this depsgraph's frame, (count, 3); None if the tree did not run, or points are
+    missing.
 
-    The tree stored them on its result. They lie in the first points; where a later modifier shuffled
-    those, the stored indices say where each went.
+    The tree stored them on its result, in the first points. If a later modifier has reordered the points, the stored
+    indices give the new order.
     """
     attributes = evaluated.data.attributes
     stored, numbers = attributes.get(wrinkle_tree.BASE_POSITION), attributes.get(wrinkle_tree.BASE_INDEX)
@@ -236,14 +236,14 @@ def posed_positions(evaluated: bpy.types.Object, count: int) -> np.ndarray | Non
         return np.ascontiguousarray(values[:count])
     where = np.full(count, -1, np.int64)
     usable = (index >= 0) & (index < count)
-    where[index[usable][::-1]] = np.flatnonzero(usable)[::-1]  # the first of several copies wins
+    where[index[usable][::-1]] = np.flatnonzero(usable)[::-1]  # of several copies, the first is used
     if (where < 0).any():
         return None
     return np.ascontiguousarray(values[where])
 
 
 def plain_positions(evaluated: bpy.types.Object, count: int) -> np.ndarray | None:
-    """Positions of an evaluated mesh that is still the coarse one (the modifier passed it through)."""
+    """Positions of an evaluated mesh that is still the coarse one, because the modifier did not change it."""
     if len(evaluated.data.vertices) != count:
         return None
     return compat.positions(evaluated.data)
@@ -251,7 +251,7 @@ def plain_positions(evaluated: bpy.types.Object, count: int) -> np.ndarray | Non
 
 # ---------------------------------------------------------------- fingerprints
 def shape_fingerprint(base: engine.BaseMesh) -> str:
-    """Hash of everything the fine mesh is made from."""
+    """Hash of all inputs of the fine mesh."""
     digest = hashlib.sha1()
     for array in (base.positions, base.polygon_start, base.corner_vertex, base.triangle_corner, base.uv,
                   base.crease_edge, base.crease_sharpness, base.painted_rigid, np.array(base.narrowest)):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What is said of an object: kept with its runtime, read by the panel, printed once."""
+"""Messages about an object. They are stored with its runtime, shown in the panel, and printed once."""
 from __future__ import annotations
 
 import traceback
@@ -16,30 +16,30 @@ from .. import scheduler
 
 @dataclass
 class Messages:
-    """What the panel says about an object."""
+    """The panel's messages about an object."""
 
-    message: str = ""  # what is wrong with this frame
-    refusal: str = ""  # what is wrong with the meshes and settings: stays until they change
-    unplayed: str = ""  # that this frame was reached by a jump, where it shows
-    unplayed_in_renders: str = ""  # the last of these that a render has said
-    left_out: str = ""  # which of its bodies does not count
+    message: str = ""  # an error in this frame
+    refusal: str = ""  # an error in the meshes and settings: it stays until they change
+    unplayed: str = ""  # a warning that this frame was reached by a jump, if this is visible
+    unplayed_in_renders: str = ""  # the last one that a render has printed
+    left_out: str = ""  # a warning that a body is not used
     notes: list[str] = field(default_factory=list)
 
 
 def set_frame_error(runtime: Messages, text: str) -> None:
-    """Set the message on the current frame; a new one goes to the console once."""
+    """Set the error of the current frame. A new one is printed once."""
     _tell(text, runtime.message)
     runtime.message = text
 
 
 def set_build_error(runtime: Messages, text: str) -> None:
-    """Set the message on the structure; empty when it is right again."""
+    """Set the error of the structure. It is empty when the structure is valid again."""
     _tell(text, runtime.refusal)
     runtime.refusal = text
 
 
 def note_unplayed(runtime: Messages, text: str, rendering: bool) -> None:
-    """Set what is said of a frame that was reached by a jump; of renders a new one goes to the console."""
+    """Set the warning about a frame that was reached by a jump. In renders a new one is printed."""
     if text != runtime.unplayed:
         scheduler.redraw_panels_soon()
     runtime.unplayed = text
@@ -49,7 +49,7 @@ def note_unplayed(runtime: Messages, text: str, rendering: bool) -> None:
 
 
 def note_left_out(runtime: Messages, text: str) -> None:
-    """Set what is said of a body that does not count; a new one goes to the console once."""
+    """Set the warning about a body that is not used. A new one is printed once."""
     _tell(text, runtime.left_out)
     runtime.left_out = text
 
@@ -67,14 +67,15 @@ def _print_new(text: str, former: str) -> None:
 
 @contextmanager
 def frame_errors(obj: bpy.types.Object, runtime: Messages) -> Iterator[None]:
-    """Errors become the message on this frame: handlers must not throw. The last good picture stays."""
+    """Turn exceptions into the error of this frame, because handlers must not raise. The last valid frame stays
+    visible."""
     with _errors(obj, runtime, set_frame_error):
         yield
 
 
 @contextmanager
 def build_errors(obj: bpy.types.Object, runtime: Messages) -> Iterator[None]:
-    """Errors become the message on the structure. The last good mesh stays."""
+    """Turn exceptions into the error of the structure. The last valid mesh stays."""
     with _errors(obj, runtime, set_build_error):
         yield
 
@@ -83,12 +84,12 @@ def build_errors(obj: bpy.types.Object, runtime: Messages) -> Iterator[None]:
 def _errors(obj: bpy.types.Object, runtime: Messages, tell: Callable[[Messages, str], None]) -> Iterator[None]:
     try:
         yield
-    except Exception as error:  # a message on the panel, never a traceback
+    except Exception as error:  # a message in the panel, never a traceback
         tell(runtime, of_error(obj, error))
 
 
 def of_error(obj: bpy.types.Object, error: Exception) -> str:
-    """What is said of it."""
+    """The message about an exception."""
     if isinstance(error, (UserError, NativeMissing)):
         return str(error)
     if isinstance(error, MemoryError):
@@ -98,7 +99,7 @@ def of_error(obj: bpy.types.Object, error: Exception) -> str:
 
 @contextmanager
 def console_errors(what: str) -> Iterator[None]:
-    """Errors of what belongs to no object go to the console, each once, and what comes after goes on."""
+    """Print each exception of work that belongs to no object once. The following work continues."""
     try:
         yield
     except Exception as error:
@@ -112,7 +113,8 @@ _said: set[str] = set()
 
 
 def unexpected(obj: bpy.types.Object | str, error: Exception) -> str:
-    """A mistake of ours in one line, with the place for the report. obj: its name, where it may be gone."""
+    """One line about a bug in Rumple, with the place in the code for a report. obj: its name if the object may be
+    gone."""
     return _in_one_line(obj if isinstance(obj, str) else obj.name, error)
 
 

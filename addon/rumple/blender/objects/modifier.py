@@ -14,85 +14,85 @@ from ..nodes.modifier_inputs import get_input, set_input
 from ..nodes.output_flags import Flag, change_flag, is_set
 from .kept_lists import ModifiedObjects
 
-CACHE_NAME = "Rumple Bake"  # the MESH_CACHE modifier on the cache object of a baked clip
+CACHE_NAME = "Rumple Bake"  # name of the MESH_CACHE modifier on the cache object of a baked clip
 
-# Modifiers that move points and keep their number: the wrinkles stand behind the last of them.
+# Modifiers that move points and keep their number. The wrinkles are placed behind the last of them.
 DEFORMING = frozenset((
     "ARMATURE", "CAST", "CLOTH", "CORRECTIVE_SMOOTH", "CURVE", "DISPLACE", "HOOK", "LAPLACIANDEFORM", "LAPLACIANSMOOTH",
     "LATTICE", "MESH_CACHE", "MESH_DEFORM", "MESH_SEQUENCE_CACHE", "SHRINKWRAP", "SIMPLE_DEFORM", "SMOOTH", "SOFT_BODY",
     "SURFACE_DEFORM", "WARP", "WAVE"))
-# Those of them that only smooth a posed mesh, or move it a little: behind a Subdivision they are for what it makes.
+# Those that only smooth a posed mesh, or move it a little. Behind a Subdivision they work on the subdivided mesh.
 FINISHING = frozenset(("CORRECTIVE_SMOOTH", "DISPLACE", "LAPLACIANSMOOTH", "SHRINKWRAP", "SMOOTH"))
-# Modifiers that leave the number of points alone, wherever they stand.
+# Modifiers that do not change the number of points, anywhere in the stack.
 NEUTRAL = DEFORMING | frozenset((
     "COLLISION", "DATA_TRANSFER", "DYNAMIC_PAINT", "NORMAL_EDIT", "PARTICLE_SYSTEM", "SURFACE", "UV_PROJECT", "UV_WARP",
     "VERTEX_WEIGHT_EDIT", "VERTEX_WEIGHT_MIX", "VERTEX_WEIGHT_PROXIMITY", "WEIGHTED_NORMAL"))
 
 
-SIMULATION_NODE = "GeometryNodeSimulationInput"  # the start of a simulation zone, from Blender 3.6 on
+SIMULATION_NODE = "GeometryNodeSimulationInput"  # the start of a simulation zone (Blender 3.6 and later)
 
 _HIDDEN = (wrinkle_tree.OUTPUT, wrinkle_tree.VIEWPORT_OUTPUT, wrinkle_tree.CACHE)
 _WRINKLED = ModifiedObjects(wrinkle_tree.is_ours, _HIDDEN)
 
 
 def find(obj: bpy.types.Object) -> bpy.types.NodesModifier | None:
-    """The wrinkles of an object."""
+    """The wrinkles modifier of an object."""
     return _WRINKLED.find(obj)
 
 
 def system(modifier: bpy.types.NodesModifier) -> System:
-    """What makes the wrinkles that a modifier shows."""
+    """The system of a modifier."""
     return wrinkle_tree.system(modifier.node_group)
 
 
 def wrinkled_objects() -> Iterator[tuple[bpy.types.Object, bpy.types.NodesModifier]]:
-    """Every object with the modifier, in the order of their names. The list is kept: see kept_lists.py."""
+    """Every object with the modifier, ordered by name. The list is cached: see kept_lists.py."""
     return iter(_WRINKLED)
 
 
 def is_simulation_nodes(modifier: bpy.types.Modifier) -> bool:
-    """Whether a simulation zone is in its nodes, as in Blender's own Cloth Dynamics."""
+    """Whether its nodes have a simulation zone, as in Blender's own Cloth Dynamics."""
     return modifier.type == "NODES" and _simulates(modifier.node_group)
 
 
 def _simulates(group: bpy.types.NodeTree | None) -> bool:
-    """Also where the zone is in a group that it uses."""
+    """Whether there is a simulation zone in the group or in a group that it uses."""
     return group is not None and any(node.bl_idname == SIMULATION_NODE or _simulates(getattr(node, "node_tree", None))
                                      for node in group.nodes)
 
 
 def deforms(modifier: bpy.types.Modifier) -> bool:
-    """Whether it poses the points that it is given."""
+    """Whether it moves the points that it gets, without changing their number."""
     return modifier.type in DEFORMING or is_simulation_nodes(modifier)
 
 
 def changes_topology(modifier: bpy.types.Modifier) -> bool:
-    """True where a modifier may add or remove points. Node groups may do anything; ours does not count."""
+    """Whether a modifier may add or remove points. Node groups may do so, but ours does not count."""
     if not (modifier.show_viewport or modifier.show_render):
         return False
     return modifier.type not in NEUTRAL and not is_simulation_nodes(modifier)
 
 
 def in_front(obj: bpy.types.Object) -> list[bpy.types.Modifier]:
-    """The modifiers in front of the wrinkles, or of where they would stand."""
+    """The modifiers in front of the wrinkles, or of the place where they would be added."""
     ours = next((index for index, m in enumerate(obj.modifiers)
                  if wrinkle_tree.is_ours(getattr(m, "node_group", None))), None)
     return list(obj.modifiers)[:_place(obj) if ours is None else ours]
 
 
 def topology_changer_before(obj: bpy.types.Object) -> bpy.types.Modifier | None:
-    """The first modifier in front of the wrinkles (or of where they would stand) that changes the topology."""
+    """The first modifier in front of the wrinkles (or of their future place) that changes the topology."""
     return next((m for m in in_front(obj) if changes_topology(m)), None)
 
 
 def deforming_and_behind(obj: bpy.types.Object) -> list[bpy.types.Modifier]:
-    """All but those in front of the wrinkles that do not deform."""
+    """All modifiers except the non-deforming ones in front of the wrinkles."""
     front = [m for m in in_front(obj) if not deforms(m)]
     return [m for m in obj.modifiers if m not in front]
 
 
 def depends_on(obj: bpy.types.Object, others: list[bpy.types.Object]) -> bpy.types.Object | None:
-    """Which of the others a modifier in front of the wrinkles follows (Shrinkwrap, Surface Deform, ...)."""
+    """The first of the others that a modifier in front of the wrinkles depends on (Shrinkwrap, Surface Deform, ...)."""
     for modifier in obj.modifiers:
         if wrinkle_tree.is_ours(getattr(modifier, "node_group", None)):
             return None
@@ -103,20 +103,22 @@ def depends_on(obj: bpy.types.Object, others: list[bpy.types.Object]) -> bpy.typ
 
 
 def depends_on_wrinkled(obj: bpy.types.Object) -> bpy.types.Object | None:
-    """The other wrinkled object that a wrinkled one follows."""
+    """The other wrinkled object that the modifiers in front of a wrinkled one depend on."""
     return depends_on(obj, [other for other, _ in wrinkled_objects() if other != obj])
 
 
 def keep_parent_without_deforming(obj: bpy.types.Object) -> None:
-    """Of an object whose mesh has been made what its parent, an armature or a lattice, makes of it."""
+    """Stop the parent (an armature or a lattice) from deforming the object, after its deformation was applied to the
+    mesh."""
     if obj.parent_type in ("ARMATURE", "LATTICE"):
         obj.parent_type = "OBJECT"
 
 
 def place_behind_deforming(obj: bpy.types.Object) -> int:
-    """Index behind the last modifier that deforms or simulates: in front of Subdivision and Solidify, and of what
-    finishes a posed mesh behind these. Behind Multires, which Blender from 4.3 on lets nothing be put in front of; and
-    behind particles on the coarse mesh, which would not find their roots on another one."""
+    """The index behind the last modifier that deforms or simulates. It is in front of Subdivision and Solidify, and of
+    modifiers that finish a posed mesh behind these. It is behind Multires, because Blender 4.3 and later allow nothing
+    in front of it. It is behind particles on the coarse mesh, because they would not find their roots on another
+    mesh."""
     place, other_points = 0, False
     for index, modifier in enumerate(obj.modifiers):
         if (deforms(modifier) and not (place and other_points and _only_finishes(modifier))
@@ -127,23 +129,23 @@ def place_behind_deforming(obj: bpy.types.Object) -> int:
 
 
 def _place(obj: bpy.types.Object) -> int:
-    """Index at which wrinkles are added: behind a Mirror too. What was modelled as half is worn whole, also where an
-    armature as parent poses it before all modifiers."""
+    """The index at which wrinkles are added: also behind a Mirror. A garment that was modelled as one half is then
+    wrinkled as a whole, also if an armature as its parent poses it before all modifiers."""
     mirrors = [index for index, m in enumerate(obj.modifiers) if m.type == "MIRROR" and changes_topology(m)]
     return max(place_behind_deforming(obj), mirrors[-1] + 1 if mirrors else 0)
 
 
 def _only_finishes(modifier: bpy.types.Modifier) -> bool:
-    """Not where it is bound to the points that it gets now."""
+    """Whether it only finishes the mesh. It does not if it is bound to the points that it gets now."""
     return modifier.type in FINISHING and getattr(modifier, "rest_source", "") != "BIND"
 
 
 def add(obj: bpy.types.Object, method: str) -> bpy.types.NodesModifier:
-    """Put the modifier behind the last deforming one. It has no output object yet and shows the coarse mesh."""
+    """Add the modifier behind the last deforming one. Without an output object it shows the coarse mesh."""
     place = _place(obj)
     modifier = obj.modifiers.new(SYSTEMS[method].label, "NODES")
     modifier.node_group = wrinkle_tree.ensure(method)
-    modifier.show_in_editmode = False  # as Cloth: the folds of a pose would hide the vertices of the mesh at rest
+    modifier.show_in_editmode = False  # as Cloth, because posed folds would hide the vertices of the rest mesh
     _WRINKLED.forget()
     last = len(obj.modifiers) - 1
     if place != last:
@@ -152,33 +154,33 @@ def add(obj: bpy.types.Object, method: str) -> bpy.types.NodesModifier:
 
 
 def output_object(modifier: bpy.types.NodesModifier) -> bpy.types.Object | None:
-    """The hidden object whose mesh the modifier shows."""
+    """The hidden object with the mesh that the modifier shows."""
     found = get_input(modifier, wrinkle_tree.OUTPUT)
     return found if isinstance(found, bpy.types.Object) else None
 
 
 def set_output_object(modifier: bpy.types.NodesModifier, new: bpy.types.Object | None, coarse_vertices: int) -> None:
-    """Point the modifier to an output object for a coarse mesh of that many vertices."""
+    """Connect the modifier to an output object for a coarse mesh with this number of vertices."""
     set_input(modifier, wrinkle_tree.OUTPUT, new)
     set_input(modifier, wrinkle_tree.COUNT, coarse_vertices)
-    # An input set from Python does not tell the dependency graph about the new relation; setting the group does.
+    # If Python sets an input, the dependency graph does not get the new relation. It does if the group is set.
     modifier.node_group = modifier.node_group
     modifier.id_data.update_tag()
 
 
 def viewport_output(modifier: bpy.types.NodesModifier) -> bpy.types.Object | None:
-    """The hidden object whose mesh the modifier shows in viewports, where that is another one."""
+    """The hidden object with the mesh that the modifier shows in viewports, if this is a different one."""
     found = get_input(modifier, wrinkle_tree.VIEWPORT_OUTPUT)
     return found if isinstance(found, bpy.types.Object) else None
 
 
 def can_show_in_viewport(modifier: bpy.types.NodesModifier) -> bool:
-    """Not with a node group of an older version that is linked from another file."""
+    """Whether viewports can show a different mesh. They cannot if the node group is of an older version and linked."""
     return wrinkle_tree.VIEWPORT_OUTPUT in compat.group_sockets(modifier.node_group, "INPUT")
 
 
 def set_viewport_output(modifier: bpy.types.NodesModifier, new: bpy.types.Object | None) -> None:
-    """None: viewports show what renders show."""
+    """None: viewports show the same mesh as renders."""
     if new == viewport_output(modifier):
         return
     set_input(modifier, wrinkle_tree.VIEWPORT_OUTPUT, new)
@@ -187,7 +189,7 @@ def set_viewport_output(modifier: bpy.types.NodesModifier, new: bpy.types.Object
 
 
 def outputs(modifier: bpy.types.NodesModifier) -> list[bpy.types.Object]:
-    """Both of them, as far as they are there."""
+    """Both output objects, as far as they exist."""
     return [found for found in (output_object(modifier), viewport_output(modifier)) if found is not None]
 
 
@@ -197,7 +199,7 @@ def coarse_vertices(modifier: bpy.types.NodesModifier) -> int:
 
 
 def cache_object(modifier: bpy.types.NodesModifier) -> bpy.types.Object | None:
-    """The hidden object whose points play the baked clip."""
+    """The hidden object that plays the baked clip."""
     found = get_input(modifier, wrinkle_tree.CACHE)
     return found if isinstance(found, bpy.types.Object) else None
 
@@ -209,7 +211,7 @@ def set_cache_object(modifier: bpy.types.NodesModifier, new: bpy.types.Object | 
 
 
 def set_baked(modifier: bpy.types.NodesModifier, baked: bool) -> None:
-    """Show what the cache object has instead of embedding the output object."""
+    """Show the mesh of the cache object instead of embedding the output object."""
     set_input(modifier, wrinkle_tree.BAKED, baked)
     modifier.id_data.update_tag()
 
@@ -219,30 +221,30 @@ def is_baked(modifier: bpy.types.NodesModifier) -> bool:
 
 
 def play_clip(modifier: bpy.types.NodesModifier, playing: bool) -> bool:
-    """Show the clip of a baked object, or live folds in place of one that is damaged. True when that changed."""
+    """Show the clip of a baked object, or live folds if the clip is damaged. Returns whether this changed something."""
     output = output_object(modifier)
     return output is not None and change_flag(output, Flag.LIVE_FOLDS, not playing)
 
 
 def plays_clip(modifier: bpy.types.NodesModifier) -> bool:
-    """Whether it is baked and shows its clip."""
+    """Whether the object is baked and shows its clip."""
     output = output_object(modifier)
     return is_baked(modifier) and (output is None or not is_set(output, Flag.LIVE_FOLDS))
 
 
 def bodies(modifier: bpy.types.NodesModifier) -> tuple[bpy.types.Object | None, bpy.types.Collection | None]:
-    """What Blender evaluates before the garment."""
+    """The body and the collection that Blender evaluates before the garment."""
     return get_input(modifier, wrinkle_tree.BODY) or None, get_input(modifier, wrinkle_tree.BODIES) or None
 
 
 def can_name_bodies(modifier: bpy.types.NodesModifier) -> bool:
-    """Not with a node group of an older version that is linked from another file."""
+    """Whether the modifier has the inputs for bodies. A linked node group of an older version does not."""
     return wrinkle_tree.BODIES in compat.group_sockets(modifier.node_group, "INPUT")
 
 
 def set_bodies(modifier: bpy.types.NodesModifier, body: bpy.types.Object | None,
                collection: bpy.types.Collection | None) -> None:
-    """Let Blender evaluate these before the garment."""
+    """Let Blender evaluate this body and this collection before the garment."""
     set_input(modifier, wrinkle_tree.BODY, body)
     set_input(modifier, wrinkle_tree.BODIES, collection)
     modifier.node_group = modifier.node_group  # as in set_output_object()
@@ -251,11 +253,11 @@ def set_bodies(modifier: bpy.types.NodesModifier, body: bpy.types.Object | None,
 
 def add_mesh_cache(cache_obj: bpy.types.Object, manifest: Manifest,
                    path: str) -> bpy.types.MeshCacheModifier:
-    """Let the points of a cache object be those of a clip. path: as a blend file names it."""
+    """Let a clip move the points of a cache object. path: in the form of the blend file."""
     cache = cache_obj.modifiers.new(CACHE_NAME, "MESH_CACHE")
     cache.cache_format, cache.play_mode, cache.time_mode = "PC2", "SCENE", "FRAME"
     cache.deform_mode, cache.interpolation = "OVERWRITE", "LINEAR"
-    # Mesh Cache takes sample number frame * scale - start.
+    # The Mesh Cache modifier reads sample number frame * scale - start.
     cache.frame_start, cache.frame_scale = float(manifest.start * manifest.samples), float(manifest.samples)
     cache.filepath = path
     return cache
@@ -267,7 +269,8 @@ def mesh_cache(cache_obj: bpy.types.Object) -> bpy.types.MeshCacheModifier | Non
 
 
 def take_out_of_scenes(hidden: Iterable[bpy.types.Object | None]) -> None:
-    """Hidden objects are in no collection. What is appended or pasted, and is in none, Blender puts into the scene."""
+    """Hidden objects belong to no collection, but Blender links appended or pasted objects without a collection to the
+    scene."""
     for obj in hidden:
         for collection in obj.users_collection if obj is not None and compat.is_editable(obj) else ():
             if compat.is_editable(collection):
@@ -275,12 +278,12 @@ def take_out_of_scenes(hidden: Iterable[bpy.types.Object | None]) -> None:
 
 
 def drop_unused_groups() -> None:
-    """Node groups of wrinkles that Blender's own buttons removed."""
+    """Remove node groups whose wrinkles were removed with Blender's own buttons."""
     _WRINKLED.drop_unused_groups()
 
 
 def delete_hidden(hidden: bpy.types.Object) -> None:
-    """Remove an output or cache object that nothing refers to, and its mesh."""
+    """Remove an output or cache object without references, and its mesh."""
     if not compat.is_editable(hidden):
         return
     mesh = hidden.data
@@ -290,7 +293,7 @@ def delete_hidden(hidden: bpy.types.Object) -> None:
 
 
 def remove(obj: bpy.types.Object) -> None:
-    """Take the modifier away, and the node group when it was the last. Hidden objects are left to the caller."""
+    """Remove the modifier, and the node group if this was the last one. The caller removes the hidden objects."""
     modifier = find(obj)
     if modifier is None:
         return

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Making the output object: the hidden object with the fine mesh and all that it inherits from the coarse one.
+"""Makes the output object: the hidden object with the fine mesh and all data that it inherits from the coarse one.
 
-Carried: materials and their slots, smooth shading, UV maps, colours and other attributes (points, corners,
-faces), vertex groups, seams, sharp edges, creases and bevel weights, Auto Smooth (3.4).
-Not carried: custom split normals (they belong to the coarse corners only), edge attributes, strings.
+Carried: materials and their slots, smooth shading, UV maps, colours and other attributes (points, corners, faces),
+vertex groups, seams, sharp edges, creases and bevel weights, Auto Smooth (3.4). Not carried: custom split normals (they
+belong to the coarse corners only), edge attributes, strings.
 """
 from __future__ import annotations
 
@@ -22,31 +22,31 @@ from .. import compat
 from ..nodes import wrinkle_tree
 from . import incoming_mesh, mesh_reader
 
-KEY = "rumple_carrier"  # custom property on output and cache objects: tells leftovers from the artist's objects
-CARRIED_KEY = "rumple_carried"  # custom property on the output mesh: fingerprints of what it inherited, JSON
+KEY = "rumple_carrier"  # custom property on output and cache objects: identifies our objects
+CARRIED_KEY = "rumple_carried"  # custom property on the output mesh: fingerprints of the inherited data, JSON
 SUFFIX = ".wrinkles"
-WEIGHT_STEPS = 1024.0  # of the weights of vertex groups: a call for each, and thousands of them take half a second
+WEIGHT_STEPS = 1024.0  # of vertex group weights: each step needs a call, and thousands of calls take half a second
 
 
 class Inherited:
-    """What the output objects of one garment inherit. The slow parts are read when first asked for, once for all of
-    them: it is for one use, as the garment is then.
+    """The data that the output objects of one garment inherit. The slow parts are read when they are first needed, once
+    for all output objects. Use it only once, because the garment may change later.
 
-    source: whose materials, UV maps and attributes they inherit: obj, or the artist's own fine mesh.
+    source: the object with the materials, UV maps and attributes: obj, or the artist's own fine mesh.
     """
 
     def __init__(self, obj: bpy.types.Object, source: bpy.types.Object) -> None:
         self.obj, self.source = obj, source
-        self.mesh = incoming_mesh.of(obj) if source == obj else source.data  # of corners, faces and points
+        self.mesh = incoming_mesh.of(obj) if source == obj else source.data  # attributes of corners, faces and points
         self.group_names = [group.name for group in obj.vertex_groups]
 
     def read(self) -> None:
-        """All of the slow parts, now."""
+        """Read all slow parts now."""
         self.groups, self.surface
 
     @functools.cached_property
     def weights(self) -> np.ndarray:
-        """(n, groups) float32 of the vertex groups."""
+        """(n, groups) float32, weights of the vertex groups."""
         return mesh_reader.group_weights(self.obj, incoming_mesh.of(self.obj), self.group_names)
 
     @functools.cached_property
@@ -57,7 +57,7 @@ class Inherited:
 
     @functools.cached_property
     def surface(self) -> str:
-        """Hash of all that carry() reads but the vertex groups."""
+        """Hash of all data that carry() reads, except the vertex groups."""
         digest, mesh = hashlib.sha1(), self.mesh
         digest.update(repr([slot.material and slot.material.name_full for slot in self.source.material_slots]).encode())
         for prop, dtype in (("material_index", np.int32), ("use_smooth", bool)):
@@ -76,7 +76,7 @@ class Inherited:
 
 
 def make(fine: ShownMesh, inherited: Inherited) -> bpy.types.Object:
-    """A new output object, in no collection: the modifier's input keeps it alive."""
+    """A new output object. It is in no collection; the modifier's input keeps it alive."""
     name = inherited.obj.name + SUFFIX
     output = bpy.data.objects.new(name, bpy.data.meshes.new(name))
     fill(output, fine, inherited)
@@ -84,7 +84,7 @@ def make(fine: ShownMesh, inherited: Inherited) -> bpy.types.Object:
 
 
 def fill(output: bpy.types.Object, fine: ShownMesh, inherited: Inherited) -> None:
-    """Give the output object the fine mesh, embedded and at rest, and everything carried."""
+    """Give the output object the fine mesh, embedded and at rest, and all carried data."""
     mesh = output.data
     mesh.clear_geometry()
     compat.fill_polygons(mesh, fine.positions_rest, fine.polygon_start, fine.corner_vertex)
@@ -94,7 +94,7 @@ def fill(output: bpy.types.Object, fine: ShownMesh, inherited: Inherited) -> Non
 
 
 def write_embedding(mesh: bpy.types.Mesh, fine: ShownMesh) -> None:
-    """The attributes that the node tree reads, with no offset yet."""
+    """Write the attributes that the node tree reads, with zero offsets."""
     count = fine.vertex_count
     for corner, name in enumerate(wrinkle_tree.CORNERS):
         compat.write_attribute(mesh, name, "INT", "POINT", fine.triangle_vertex[:, corner])
@@ -108,7 +108,7 @@ def write_embedding(mesh: bpy.types.Mesh, fine: ShownMesh) -> None:
 
 
 def is_embedding_of(mesh: bpy.types.Mesh, fine: ShownMesh) -> bool:
-    """True where the output object (from a file, perhaps) already is this fine mesh, bound in this way."""
+    """Whether the output object (perhaps from a file) already is this fine mesh with this embedding."""
     if len(mesh.vertices) != fine.vertex_count or len(mesh.loops) != len(fine.corner_vertex):
         return False
     if not np.array_equal(compat.corner_vertices(mesh), fine.corner_vertex):
@@ -124,14 +124,15 @@ def is_embedding_of(mesh: bpy.types.Mesh, fine: ShownMesh) -> bool:
 
 
 def write_result(mesh: bpy.types.Mesh, result: FrameResult, attributes: tuple[Attribute, ...]) -> None:
-    """One frame's result. The only thing that handlers write."""
+    """Write the result of one frame. Handlers write only this and write_proxy()."""
     compat.write_attribute(mesh, wrinkle_tree.LOCAL_OFFSET, "FLOAT_VECTOR", "POINT", result.local_offset)
     _write_attributes(mesh, result, attributes)
     mesh.update()
 
 
 def write_proxy(mesh: bpy.types.Mesh, displacements: np.ndarray | None) -> None:
-    """What viewports show in place of the fine mesh: the coarse vertices moved by (n, 3). None: the fine mesh."""
+    """Set the mesh that viewports show instead of the fine mesh: the coarse vertices moved by (n, 3). None: the fine
+    mesh."""
     uses_proxy = displacements is not None
     known = mesh.attributes.get(wrinkle_tree.SHOWS_PROXY)
     if known is None and not uses_proxy:
@@ -153,7 +154,7 @@ def _write_attributes(mesh: bpy.types.Mesh, result: FrameResult, attributes: tup
 
 # ---------------------------------------------------------------- carrying
 def carry(output: bpy.types.Object, fine: ShownMesh, inherited: Inherited) -> None:
-    """Everything inherited, again: called when it changed while the topology did not."""
+    """Write all inherited data again, after it changed while the topology did not."""
     mesh = output.data
     _drop_inherited(mesh)
     _carry_materials(mesh, inherited.source)
@@ -174,7 +175,8 @@ def _drop_inherited(mesh: bpy.types.Mesh) -> None:
 
 
 def _carry_materials(mesh: bpy.types.Mesh, source: bpy.types.Object) -> None:
-    """Slots by index. Only these slots count in the result, and a slot linked to the object wins there."""
+    """Copy the slots in their order. Only these slots are used in the result, including materials linked to the
+    object."""
     mesh.materials.clear()
     for slot in source.material_slots:
         mesh.materials.append(slot.material)
@@ -189,7 +191,7 @@ def _carry_faces(mesh: bpy.types.Mesh, inherited: bpy.types.Mesh, fine: ShownMes
 
 
 def _find_edges(mesh: bpy.types.Mesh, pairs: np.ndarray) -> np.ndarray:
-    """Index of the edge between each pair of vertices; every pair is an edge of the mesh."""
+    """The index of the edge between each pair of vertices. Every pair must be an edge of the mesh."""
     keys = pair_keys(compat.edge_vertices(mesh), len(mesh.vertices))
     order = np.argsort(keys)
     place = np.searchsorted(keys, pair_keys(pairs, len(mesh.vertices)), sorter=order)
@@ -239,7 +241,8 @@ def _carry_attributes(mesh: bpy.types.Mesh, inherited: bpy.types.Mesh, fine: Sho
 
 
 def _carried_values(fine: ShownMesh, domain: str, values: np.ndarray) -> np.ndarray:
-    """Interpolated; whole numbers and switches rounded, so that a value constant around a point stays itself."""
+    """Interpolated values. Integers and booleans are rounded, so that a value that is constant around a point does not
+    change."""
     if domain == "FACE":
         return values[fine.polygon_parent]
     spread = fine.carry_points if domain == "POINT" else fine.carry_corners
@@ -248,7 +251,8 @@ def _carried_values(fine: ShownMesh, domain: str, values: np.ndarray) -> np.ndar
 
 
 def carry_vertex_groups(output: bpy.types.Object, fine: ShownMesh, inherited: Inherited, names: list[str]) -> None:
-    """Weights of the named groups. Every group gets its name: a missing one makes a modifier act on everything."""
+    """Write the weights of the named groups. Every group is created, because a modifier without its group acts on
+    everything."""
     wanted = inherited.group_names
     for group in [group for group in output.vertex_groups if group.name not in wanted or group.name in names]:
         output.vertex_groups.remove(group)
@@ -258,20 +262,20 @@ def carry_vertex_groups(output: bpy.types.Object, fine: ShownMesh, inherited: In
     if not names:
         return
     steps = weight_steps(fine, inherited.weights[:, [wanted.index(name) for name in names]])
-    for column, name in enumerate(names):  # they are new, and empty
+    for column, name in enumerate(names):  # these groups are new and empty
         write_steps(output.vertex_groups[name], steps[:, column], np.zeros(len(steps), np.int32))
 
 
 def weight_steps(fine: ShownMesh, weights: np.ndarray) -> np.ndarray:
-    """(n, groups) weights of the coarse mesh -> (m, groups) of the fine one, in steps that nobody sees: 0 where a
-    point is in no group, else 1 to WEIGHT_STEPS."""
-    spread = on_shown(weights, fine)  # an own mesh has other points than carry_points() takes
+    """(n, groups) weights of the coarse mesh -> (m, groups) of the fine one, in steps too small to be visible: 0 if a
+    point is in no group, otherwise 1 to WEIGHT_STEPS."""
+    spread = on_shown(weights, fine)  # an own mesh has other points than carry_points() expects
     return np.where(spread > 0.0, np.maximum(np.rint(spread * WEIGHT_STEPS), 1.0), 0.0).astype(np.int32)
 
 
 def write_steps(group: bpy.types.VertexGroup, steps: np.ndarray, had: np.ndarray | None = None) -> None:
-    """(m,) of weight_steps(). had: what the group has now; None: nobody knows. One call for all points of one weight:
-    Blender takes weights in no other way."""
+    """Write (m,) from weight_steps(). had: the group's current values; None: unknown. All points of one weight need one
+    call, because Blender has no other interface for weights."""
     members = np.flatnonzero(np.ones(len(steps), bool) if had is None else steps != had)
     order = members[np.argsort(steps[members], kind="stable")]
     ordered, places = steps[order], order.tolist()
@@ -286,7 +290,7 @@ def write_steps(group: bpy.types.VertexGroup, steps: np.ndarray, had: np.ndarray
 
 # ---------------------------------------------------------------- what changed
 def carry_changes(output: bpy.types.Object, fine: ShownMesh, inherited: Inherited) -> bool:
-    """Carry again what differs from what the output object has. True when something did."""
+    """Carry the data that differs from the output object's data. Returns whether there was any."""
     mesh, groups = output.data, inherited.groups
     stored = json.loads(mesh.get(CARRIED_KEY, "{}"))
     stored_groups = stored.get("groups", {})
@@ -307,7 +311,7 @@ def _note_carried(mesh: bpy.types.Mesh, inherited: Inherited) -> None:
 
 
 def copy_for(obj: bpy.types.Object, shared: bpy.types.Object) -> bpy.types.Object:
-    """An output object of its own for an object that shares one (a duplicate) or whose output object is linked."""
+    """A separate output object for an object that shares one (a duplicate) or whose output object is linked."""
     mesh = shared.data.copy()
     output = shared.copy()
     output.data = mesh

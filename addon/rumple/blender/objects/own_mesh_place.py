@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Where an artist's own fine mesh stands in its garment. It is bound at rest: what is animated may move the one and not
-the other, and the frame that is looked at must not decide. So the place is kept until the artist moves either."""
+"""The transform of an artist's own fine mesh relative to its garment. The mesh is bound at rest. An animation may move
+only one of the two objects, so the result must not depend on the current frame. So the transform is stored until the
+artist moves one of them."""
 from __future__ import annotations
 
 import json
@@ -11,12 +12,12 @@ from mathutils import Matrix
 
 from .. import compat
 
-KEY = "rumple_own_mesh_place"  # of the garment
+KEY = "rumple_own_mesh_place"  # custom property of the garment
 DIGITS = 6
 
 
 def keep(obj: bpy.types.Object) -> None:
-    """Keep the place as it is in this frame, where none is kept that holds. Writes: not in a handler."""
+    """Store the transform in this frame, unless a valid one is stored. It writes, so do not call it in a handler."""
     own = obj.rumple.own_mesh
     if own is not None and compat.is_editable(obj) and _kept(obj, own) is None:
         rows = [list(row) for row in _now(obj, own)]
@@ -24,12 +25,12 @@ def keep(obj: bpy.types.Object) -> None:
 
 
 def forget(obj: bpy.types.Object) -> None:
-    """It was chosen, perhaps again."""
+    """Called when an own mesh was chosen, perhaps the same one again."""
     obj.pop(KEY, None)
 
 
 def of(obj: bpy.types.Object, own: bpy.types.Object) -> Matrix:
-    """own in the object space of obj: 4 x 4, as Blender has it."""
+    """The transform from own to the object space of obj: 4 x 4."""
     kept = _kept(obj, own)
     return _now(obj, own) if kept is None else kept
 
@@ -47,7 +48,7 @@ def _kept(obj: bpy.types.Object, own: bpy.types.Object) -> Matrix | None:
 
 
 def _moved_by_hand(*objects: bpy.types.Object) -> list[Any]:
-    """The transforms of objects and their parents that no animation moves."""
+    """The transforms of objects and their parents that are not animated."""
     found: list[Any] = []
     for obj in objects:
         one: bpy.types.Object | None = obj

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The maps that can be painted for an object's wrinkles: their names, what they hold, and writing them."""
+"""The maps that can be painted for an object's wrinkles: names, weights, and writing them."""
 from __future__ import annotations
 
 from dataclasses import dataclass, fields
@@ -18,27 +18,27 @@ from ...core.settings import FieldSettings, MeshSettings
 from .. import compat, scheduler
 from . import cloth_defaults, mesh_reader, properties, runtimes, units
 
-# In the order in which they are listed.
+# In the order of the list in the panel.
 KEYS = ("drape", "folds", "detail", "mask", WIDTH, "radius", "prestretch", "bending", "inside", "room", FREE,
         "follow", SMOOTH, RIGID)
 _LABELS = {FREE: "Hangs Free", "follow": "Pinned", SMOOTH: "Keep Smooth", RIGID: "Rigid"}
-_FIELDS = {WIDTH: "wavelength_scale"}  # of the settings, where its name is another
+_FIELDS = {WIDTH: "wavelength_scale"}  # names in the settings that differ from the key
 LABELS: dict[str, str] = {
     key: _LABELS.get(key) or next(f.metadata["name"] for system in (MeshSettings, FieldSettings) for f in fields(system)
                                   if f.name == _FIELDS.get(key, key)) for key in KEYS}
-# Of a vertex that the map does not change.
+# The weight of a vertex that the map does not affect.
 REST = {key: 0.0 if key in (FREE, "follow", SMOOTH, RIGID) else 1.0 for key in KEYS}
-_READ_DELAY = 0.2  # seconds: a frame that is solved meanwhile reads them anyway
-_unread: set[str] = set()  # names of objects whose maps are to be read for the panel
+_READ_DELAY = 0.2  # seconds: a frame solved before that reads the maps anyway
+_unread: set[str] = set()  # names of objects whose maps must be read for the panel
 
 
 @dataclass(frozen=True)
 class PaintedMap:
-    """One of them."""
+    """One map."""
 
-    key: str  # of the engine
-    name: str  # of the vertex group
-    exists: bool  # as a vertex group
+    key: str  # key of the engine
+    name: str  # name of the vertex group
+    exists: bool  # whether the vertex group exists
 
     @property
     def label(self) -> str:
@@ -50,21 +50,21 @@ class PaintedMap:
 
 
 def of(obj: bpy.types.Object) -> list[PaintedMap]:
-    """Those that act with the settings of now, and those that are painted."""
+    """The maps that have an effect with the current settings, and the painted ones."""
     settings = properties.settings_of(obj, units.scene_of(obj))
     return [found for found in map(lambda key: find(obj, key, settings), KEYS)
             if found is not None and (found.exists or _acts(found.key, settings))]
 
 
 def find(obj: bpy.types.Object, key: str, settings: Any = None) -> PaintedMap | None:
-    """The map of that key; None where the object's wrinkles have none."""
+    """The map with this key; None if the object's system has no such map."""
     settings = settings or properties.settings_of(obj, units.scene_of(obj))
     name = mesh_reader.paint_groups(settings).get(key)
     return PaintedMap(key, name, name in obj.vertex_groups) if name else None
 
 
 def _acts(key: str, settings: Any) -> bool:
-    """Whether a map of that key would change anything."""
+    """Whether a map with this key would have an effect."""
     if key in ("room", FREE, "follow"):
         return settings.base_cloth != "OFF"
     if key in ("drape", "folds", "detail"):
@@ -76,11 +76,11 @@ def _acts(key: str, settings: Any) -> bool:
 
 # ---------------------------------------------------------------- for the panel
 def measured(obj: bpy.types.Object) -> dict[str, tuple[float, float]]:
-    """Key -> (mean, share of the coarse vertices that are not as without the map), of what is painted.
+    """Key -> (mean, share of the coarse vertices that the map affects), of the painted maps.
 
-    Reads no mesh: they are computed once from what was read for the solver last (0.1 ms a map for 50,000 vertices).
-    Where nothing was read since a change, as while a clip is shown, the former numbers are given and a timer reads once
-    (1 ms per 1,000 vertices).
+    This reads no mesh. The numbers are computed once from the last data for the solver (0.1 ms per map for 50,000
+    vertices). If nothing was read since a change, as while a clip is shown, the former numbers are returned, and a
+    timer reads the maps once (1 ms per 1,000 vertices).
     """
     runtime = runtimes.of(obj)
     if runtime.paint is None:
@@ -111,7 +111,7 @@ def _read_due() -> float | None:
 
 
 def _read(obj: bpy.types.Object) -> bool:
-    """Read what is painted, as a frame does. Whether there is something to show."""
+    """Read the painted maps, as a frame does. Returns whether there is something to show."""
     runtime = runtimes.known(obj)
     if runtime is None or obj.type != "MESH" or mesh_reader.is_busy(obj):
         return False
@@ -119,37 +119,38 @@ def _read(obj: bpy.types.Object) -> bool:
         if runtime.paint is None:
             runtime.paint = mesh_reader.paint(obj, properties.settings_of(obj, units.scene_of(obj)))
     except UserError:
-        return False  # the frame says so
+        return False  # the frame reports this error
     return True
 
 
 def stop() -> None:
-    """For unregister()."""
+    """Called by unregister()."""
     if bpy.app.timers.is_registered(_read_due):
         bpy.app.timers.unregister(_read_due)
 
 
 # ---------------------------------------------------------------- reading and writing
 def weights(obj: bpy.types.Object, painted: PaintedMap) -> np.ndarray:
-    """(n,) float32 of the object's own vertices: as painted, else as without the map. 1 ms per 1,000 vertices."""
+    """(n,) float32, per vertex of the object's own mesh: the painted weights, or the neutral weight. Cost: 1 ms per
+    1,000 vertices."""
     if painted.name in obj.vertex_groups:
         return mesh_reader.group_weights(obj, obj.data, [painted.name])[:, 0]
     return start(obj, painted)
 
 
 def start(obj: bpy.types.Object, painted: PaintedMap) -> np.ndarray:
-    """(n,) float32: what a new map starts from, which changes nothing."""
+    """(n,) float32: the first weights of a new map, which change nothing."""
     pinned = cloth_defaults.follow_weights(obj) if painted.key == "follow" else None
     return np.full(len(obj.data.vertices), painted.rest, np.float32) if pinned is None else pinned
 
 
 def is_masked(obj: bpy.types.Object) -> bool:
-    """Whether a mask of Weight Paint is on."""
+    """Whether one of Weight Paint's masks is on."""
     return obj.data.use_paint_mask or obj.data.use_paint_mask_vertex
 
 
 def selected(obj: bpy.types.Object) -> np.ndarray | None:
-    """(n,) bool: the vertices that Weight Paint's mask leaves; None where no mask is on."""
+    """(n,) bool: the vertices selected by Weight Paint's mask; None if no mask is on."""
     mesh = obj.data
     if mesh.use_paint_mask_vertex:
         chosen = np.empty(len(mesh.vertices), bool)
@@ -165,9 +166,8 @@ def selected(obj: bpy.types.Object) -> np.ndarray | None:
 
 
 def write(obj: bpy.types.Object, painted: PaintedMap, values: np.ndarray, masked: bool = True) -> None:
-    """Give the vertices that the mask leaves these weights, (n,) float32 in 0..1; not masked: all of them. A group that
-    is not there is made, and starts as it means nothing. Not in Edit Mode. 0.1 s for 50,000 vertices that all differ.
-    """
+    """Write these weights, (n,) float32 in 0..1, to the vertices selected by the mask; masked=False: to all. A missing
+    group is created with its neutral weights. Do not call it in Edit Mode. Cost: 0.1 s for 50,000 different values."""
     group = obj.vertex_groups.get(painted.name)
     former = None
     chosen = selected(obj) if masked else None
@@ -186,7 +186,7 @@ def write(obj: bpy.types.Object, painted: PaintedMap, values: np.ndarray, masked
 
 
 def remove(obj: bpy.types.Object, painted: PaintedMap) -> None:
-    """As if it had never been painted. The active group stays the active one, unless it is this."""
+    """Remove a map. The active group stays active, unless it is this one."""
     groups = obj.vertex_groups
     active = groups.active.name if groups.active is not None else ""
     groups.remove(groups[painted.name])
@@ -196,7 +196,7 @@ def remove(obj: bpy.types.Object, painted: PaintedMap) -> None:
 
 
 def touch(obj: bpy.types.Object) -> None:
-    """The paint is another: read and solve again."""
+    """Mark the paint as changed: it is read and solved again."""
     runtime = runtimes.of(obj)
     runtime.paint, runtime.stale = None, True
     obj.data.update()

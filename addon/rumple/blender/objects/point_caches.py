@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What Blender simulates against a wrinkled garment: a Cloth, a Soft Body or particles that collide with it.
+"""Blender simulations that collide with a wrinkled garment: Cloth, Soft Body or particles.
 
-Folds are written into a mesh at every frame. To Blender that is an edit of what the simulation collides with, whether
-the folds are solved or baked: it throws away what its cache has behind the frame, and begins anew at the first one.
-Only a baked cache stays. Rigid bodies keep theirs.
+Folds are written into a mesh at every frame. Blender takes this for an edit of the collision object, whether the folds
+are solved or baked. It discards the cache behind the frame and restarts at the first frame. Only a baked cache stays.
+Rigid bodies keep their cache.
 """
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from . import units
 
 
 def notes(garment: bpy.types.Object) -> list[str]:
-    """One sentence, on the first simulation that loses its cache. Only reads."""
+    """One sentence about the first simulation that loses its cache. Only reads."""
     if not _is_collider(garment):
         return []
     return [f"{garment.name}: \"{obj.name}\" collides with it, and loses its cache with every new fold: bake that "
@@ -30,7 +30,7 @@ def _is_collider(obj: bpy.types.Object) -> bool:
 
 
 def _simulations(obj: bpy.types.Object) -> Iterator[tuple[bpy.types.PointCache, bpy.types.Collection | None]]:
-    """Each cache, with the collection that it collides with: None for all of the scene."""
+    """Each cache, with its collision collection; None: the whole scene."""
     for m in obj.modifiers:
         if not (m.show_viewport or m.show_render):
             continue

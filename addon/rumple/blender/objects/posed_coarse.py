@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Posed positions of the coarse mesh, whatever the modifiers behind the wrinkles do.
+"""Posed positions of the coarse mesh, independent of the modifiers behind the wrinkles.
 
-The node tree stores them on the mesh that it shows, in the first points. A modifier behind may remove these (Mask,
-Decimate, nodes), merge them (Weld), or make another mesh altogether (Remesh). Then the modifiers in front are evaluated
-once more, without those behind: what the evaluated copy of the object makes anew when it is asked for a mesh with all
-of its layers. Cost: that of the modifiers in front.
+The node tree stores the positions on the first points of the mesh that it shows. A modifier behind may remove these
+points (Mask, Decimate, nodes), merge them (Weld), or make a different mesh (Remesh). Then only the modifiers in front
+are evaluated again. The evaluated copy of the object does this when it is asked for a mesh with all of its layers.
+Cost: as the modifiers in front.
 """
 from __future__ import annotations
 
@@ -18,22 +18,22 @@ from ...core.engine import UserError
 from .. import compat
 from . import mesh_reader, modifier
 
-# Modifiers behind the wrinkles that leave the first points, and their order, as they are.
+# Modifiers behind the wrinkles that keep the first points in their order.
 _KEEP_POINTS = modifier.NEUTRAL | {"EDGE_SPLIT", "MULTIRES", "SUBSURF", "TRIANGULATE"}
 _SHOWN = ("show_viewport", "show_render")
-# Modifiers that ask the depsgraph for the frame; nodes may.
+# Modifiers that read the frame from the depsgraph; nodes may do so.
 _TIMED = frozenset(("BUILD", "CLOTH", "EXPLODE", "FLUID", "MESH_CACHE", "MESH_SEQUENCE_CACHE", "NODES", "OCEAN",
                     "PARTICLE_SYSTEM", "SOFT_BODY", "WAVE"))
 
 
 def positions(obj: bpy.types.Object, count: int, depsgraph: bpy.types.Depsgraph) -> np.ndarray | None:
-    """Incoming coarse positions of an object in this depsgraph's frame, (count, 3); None where the tree did not run.
+    """Incoming coarse positions of an object in this depsgraph's frame, (count, 3); None if the tree did not run.
     Raises UserError."""
     nodes_mod, evaluated = modifier.find(obj), obj.evaluated_get(depsgraph)
     which = "show_render" if depsgraph.mode == "RENDER" else "show_viewport"
     removers = set() if nodes_mod is None else _removers(obj, nodes_mod, which)
     found = None
-    if removers <= {"NODES"}:  # most node groups keep the points, and their numbers
+    if removers <= {"NODES"}:  # most node groups keep the points and their indices
         found = mesh_reader.posed_positions(evaluated, count)
     if found is None and removers and getattr(nodes_mod, which):
         with _without(evaluated, list(obj.modifiers).index(nodes_mod), *_mode_of(obj, which, depsgraph)) as mesh:
@@ -42,16 +42,17 @@ def positions(obj: bpy.types.Object, count: int, depsgraph: bpy.types.Depsgraph)
 
 
 def _removers(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier, which: str) -> set[str]:
-    """Types of what is on behind the wrinkles, by that of its switches, and may remove points."""
+    """Types of the enabled modifiers behind the wrinkles that may remove points. which: the property that enables
+    them."""
     modifiers = list(obj.modifiers)
     return {m.type for m in modifiers[modifiers.index(nodes_mod) + 1:]
             if m.type not in _KEEP_POINTS and getattr(m, which)}
 
 
 def _mode_of(obj: bpy.types.Object, which: str, depsgraph: bpy.types.Depsgraph) -> tuple[str, bpy.types.Depsgraph]:
-    """By which switches the modifiers in front are on, and the depsgraph that says which are looked at: Blender locks
-    those of renders on what is linked. So that is evaluated as in viewports, in the pose of the render. Raises
-    UserError where its points depend on the frame: that would be the viewport's."""
+    """The property that enables the modifiers in front, and the depsgraph to evaluate them with. Of linked objects
+    Blender locks the render property. So these are evaluated as in viewports, in the render's pose. Raises UserError if
+    the points depend on the frame, because the frame would be the viewport's."""
     if which == "show_viewport" or obj.library is None:
         return which, depsgraph
     viewport = depsgraph.view_layer.depsgraph
@@ -65,8 +66,8 @@ def _mode_of(obj: bpy.types.Object, which: str, depsgraph: bpy.types.Depsgraph) 
 @contextmanager
 def _without(evaluated: bpy.types.Object, index: int, which: str,
              depsgraph: bpy.types.Depsgraph) -> Iterator[bpy.types.Mesh]:
-    """Its mesh as it arrives at that modifier. Nothing is tagged: only the evaluated copy is told, by foreach_set,
-    which calls no update. which: the switches that count."""
+    """The mesh as it arrives at that modifier. Only the evaluated copy is changed, by foreach_set, which calls no
+    update, so nothing is tagged. which: the property that enables modifiers."""
     former = {}
     for name in _SHOWN:
         former[name] = np.empty(len(evaluated.modifiers), bool)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What is stored on objects: `object.rumple`. The settings are made from core/settings.py, field by field."""
+"""The data that is stored on objects: `object.rumple`. The settings are made from core/settings.py, field by field."""
 from __future__ import annotations
 
 import math
@@ -15,14 +15,14 @@ from . import bodies, changes, own_mesh_place, runtimes, units
 
 METHODS = (("NONE", "None", "No wrinkles"), *((s.method, s.label, s.tip) for s in SYSTEMS.values()))
 MAPS = ("MAPS", "Wrinkle Maps", "Normal maps of reference poses, blended by the pose of the bones")
-DEFAULT_MOST_VERTICES = 250_000  # made in about two seconds
+DEFAULT_MOST_VERTICES = 250_000  # built in about two seconds
 DEFAULT_MEMORY = 512  # megabytes; about 250 frames of a shirt at 50,000 points
 DEFAULT_DISK = 2048  # megabytes
-UP_PLACES = 10  # vertices that tell how the mesh was turned: see applied_transforms.py
+UP_PLACES = 10  # number of stored vertices that show how the mesh was rotated: see applied_transforms.py
 
-MOST_STEPS = 200  # pixels of a drag over the values in use
+MOST_STEPS = 200  # pixels of a drag over the usual range
 
-_OVERRIDE = {"LIBRARY_OVERRIDABLE"}  # else a linked character's garments could not be tuned
+_OVERRIDE = {"LIBRARY_OVERRIDABLE"}  # otherwise a linked character's garments could not be changed
 
 
 def _changed(affects: str, name: str = "") -> Callable[[bpy.types.PropertyGroup, bpy.types.Context], None]:
@@ -55,9 +55,9 @@ def _property(f: Field) -> Any:
     for key, names in (("low", ("min", "soft_min")), ("high", ("max",)), ("soft", ("soft_max",))):
         if about[key] is not None:
             common.update({name: about[key] for name in names})
-    if about["unit"] == "LENGTH":  # kept in the scene's unit, which may be a millimetre or a kilometre
-        # A slider of 200 pixels (ui_base.draw_setting): half a millimetre or so of a fold a pixel. The step is that of
-        # Ctrl and the wheel, a millimetre.
+    if about["unit"] == "LENGTH":  # stored in the scene's unit, which may be a millimetre or a kilometre
+        # The slider has 200 pixels (ui_base.draw_setting), so a fold changes by about half a millimetre per pixel. The
+        # step is for Ctrl and the mouse wheel: a millimetre.
         length: float = f.default  # type: ignore[assignment]
         common.update(soft_min=length / 20.0 if common["min"] > 0.0 else 0.0, soft_max=3.0 * length, step=0.02)
         common.update(min=common["min"] / 1000.0, max=1000.0 * common["max"])
@@ -73,8 +73,8 @@ def _property(f: Field) -> Any:
 
 
 def _nice_step(f: Field) -> float:
-    """What a pixel of a drag changes of a plain number: 1, 2 or 5 of a decimal place, some hundred of them over the
-    values that are in use."""
+    """How much a pixel of a drag changes a plain number: 1, 2 or 5 times a power of ten, some hundred steps in the
+    usual range."""
     about = f.metadata
     default: float = f.default  # type: ignore[assignment]
     highest = about["high"] if about["soft"] is None else about["soft"]
@@ -84,7 +84,7 @@ def _nice_step(f: Field) -> float:
 
 
 def _settings_group(method: str, **others: Any) -> type:
-    """others: properties that no solve depends on."""
+    """others: properties that do not affect the solver."""
     system = SYSTEMS[method]
     annotations = {f.name: _property(f) for f in fields(system.settings)} | others
     if system.presets:
@@ -99,7 +99,7 @@ def _settings_group(method: str, **others: Any) -> type:
 
 
 def preset_items(system: System) -> tuple[tuple[str, str, str, str, int], ...]:
-    """The presets of a system as Blender's enums have them."""
+    """The presets of a system as items of a Blender enum."""
     return tuple((key, preset.label, preset.tip, "NONE", preset.number) for key, preset in system.presets.items())
 
 
@@ -165,13 +165,14 @@ class RUMPLE_Object(bpy.types.PropertyGroup):
                                                update=_changed("BODY"),
                                                description="What this garment is worn over, where it is more than one "
                                                            "object: cloth stays outside of all of them")
-    # Nobody sees it: a click found no body, and none was chosen since. To Blender a pointer that was read is set.
+    # Hidden. A click found no body, and none was chosen since. A separate property is needed because Blender marks a
+    # pointer that was read as set.
     looks_again: bpy.props.BoolProperty(name="Body", options={"HIDDEN"}, override=_OVERRIDE)
     profile_curve: bpy.props.PointerProperty(type=bpy.types.NodeTree, name="Profile Curve", override=_OVERRIDE,
                                              description="The node group with the curve that was drawn as profile")
     rest_key: bpy.props.StringProperty(name="Rest Key", options=set(), override=_OVERRIDE, update=_changed("MESH"),
                                        description="The shape key that is the unwrinkled cloth")
-    # Nobody sees it: undeformed positions of some vertices, and how many there are, of the mesh that Up At Rest is of.
+    # Hidden. Undeformed positions of some vertices, and the number of vertices, of the mesh that Up At Rest belongs to.
     up_places: bpy.props.FloatVectorProperty(size=3 * UP_PLACES + 1, name="Up At Rest", override=_OVERRIDE)
     rest_frame: bpy.props.IntProperty(name="Frame At Rest", default=1, options=set(), override=_OVERRIDE,
                                       description="The frame whose shape Capture takes as the unwrinkled cloth")
@@ -232,17 +233,17 @@ def fields_of(obj: bpy.types.Object) -> dict[str, Field]:
 
 
 def settings_of(obj: bpy.types.Object, scene: bpy.types.Scene) -> Any:
-    """The settings as the engine wants them.
+    """The settings for the engine.
 
-    obj may be an evaluated copy: there, animated settings are right in renders too. Blender keeps lengths in
-    its own units and multiplies them for display; the engine wants what is displayed: metres.
+    obj may be an evaluated copy, which also has the right animated settings in renders. Blender stores lengths in its
+    own units and multiplies them for display. The engine needs the displayed value: metres.
     """
     group = group_of(obj)
     metres = scene.unit_settings.scale_length
     values = {}
     for name, f in fields_of(obj).items():
         value = getattr(group, name)
-        if f.metadata["unit"] == "LENGTH":  # one that is not set is newer than the file
+        if f.metadata["unit"] == "LENGTH":  # an unset length may be newer than the file
             value = value * metres if group.is_property_set(name) else f.default
             value = min(max(value, f.metadata["low"]), f.metadata["high"])
         values[name] = value
@@ -250,7 +251,7 @@ def settings_of(obj: bpy.types.Object, scene: bpy.types.Scene) -> Any:
 
 
 def apply_values(obj: bpy.types.Object, scene: bpy.types.Scene, values: dict[str, Any]) -> None:
-    """Set some settings from metres and plain numbers (presets, defaults of a scene in centimetres)."""
+    """Set settings from values in metres and plain numbers (presets, or defaults in a scene in centimetres)."""
     metres = scene.unit_settings.scale_length
     for name, value in values.items():
         length = fields_of(obj)[name].metadata["unit"] == "LENGTH"
@@ -258,7 +259,7 @@ def apply_values(obj: bpy.types.Object, scene: bpy.types.Scene, values: dict[str
 
 
 def defaults(obj: bpy.types.Object, names: Iterable[str]) -> dict[str, Any]:
-    """Default values of some settings."""
+    """Default values of these settings."""
     return {name: f.default for name, f in fields_of(obj).items() if name in names}
 
 
@@ -278,12 +279,12 @@ def unregister() -> None:
 
 
 def are_keyed(obj: bpy.types.Object) -> bool:
-    """Whether settings of an object may differ from frame to frame: by keys, drivers or strips."""
+    """Whether settings of an object may differ between frames, because of keys, drivers or strips."""
     return any(path.startswith("rumple.") for path in compat.animated_paths(obj))
 
 
 def still_settings(obj: bpy.types.Object, scene: bpy.types.Scene) -> Any:
-    """settings_of(), with the defaults of those that are animated: the same at every frame."""
+    """As settings_of(), but with the defaults of animated settings, so that all frames have the same."""
     animated, group = compat.animated_paths(obj), system_of(obj).group
     still = {name: f.default for name, f in fields_of(obj).items() if f"rumple.{group}.{name}" in animated}
     return replace(settings_of(obj, scene), **still)

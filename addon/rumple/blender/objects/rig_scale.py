@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How many times as large as it was modelled a skeleton shows an object. Characters are scaled by a bone that all other
-bones hang from, as often as by an object. What is on it is solved in the size that it is shown in: its shape at rest is
-scaled with it, else all of it would count as stretched.
+"""The factor by which a skeleton scales an object. Characters are scaled as often by a root bone as by an object. A
+character is solved in its visible size, so its rest shape is scaled too. Otherwise the whole garment would count as
+stretched.
 
-Which bones scale deforms parts, and which the whole: the whole where all bones that deform the object hang from it.
+Some bones scale the whole object, others deform parts of it. A bone scales the whole if all bones that deform the
+object are its descendants, or this bone itself.
 """
 from __future__ import annotations
 
@@ -13,12 +14,12 @@ import numpy as np
 from .. import compat
 from . import units
 
-LEAST = 1e-3  # a smaller scale hides a character, and is not its size
+LEAST = 1e-3  # a smaller scale is used to hide a character
 
 
 def of(obj: bpy.types.Object, scene: bpy.types.Scene) -> float:
-    """Times the size at rest, in the clip's first frame; 1 without a skeleton. Constraints, drivers and strips do not
-    count: what they make of a scale is not known before a frame is shown.
+    """The scale relative to rest, in the clip's first frame; 1 without a skeleton. Constraints, drivers and strips do
+    not count, because their result is unknown before a frame is evaluated.
 
     Cost: about 0.3 ms for a rig of 200 bones.
     """
@@ -26,7 +27,7 @@ def of(obj: bpy.types.Object, scene: bpy.types.Scene) -> float:
     if rig is None or rig.pose is None:
         return 1.0
     first, animated = units.first_frame(obj, scene), compat.animated_paths(rig)
-    for bone in _above_all(obj, rig):  # from the root down
+    for bone in _above_all(obj, rig):  # from the root to the leaves
         path = f'pose.bones["{bpy.utils.escape_identifier(bone.name)}"].scale'
         scale = _keyed_scale(rig.animation_data, path, bone, first) if path in animated else bone.scale
         mean = sum(map(abs, scale)) / 3.0
@@ -35,12 +36,12 @@ def of(obj: bpy.types.Object, scene: bpy.types.Scene) -> float:
 
 
 def of_rest(obj: bpy.types.Object, rest_shape: str) -> float:
-    """What its positions at rest are multiplied by. A captured shape has the size that it is shown in."""
+    """The factor for its rest positions. A captured shape already has its visible size."""
     return 1.0 if rest_shape == "FRAME" else of(obj, units.scene_of(obj))
 
 
 def plain(obj: bpy.types.Object) -> bytes:
-    """The scales of all bones as they stand: it is read in each frame."""
+    """The current scales of all bones, to detect changes in each frame."""
     rig = obj.find_armature()
     if rig is None or rig.pose is None:
         return b""
@@ -50,12 +51,12 @@ def plain(obj: bpy.types.Object) -> bytes:
 
 
 def metres_at_rest(obj: bpy.types.Object, scene: bpy.types.Scene) -> float:
-    """Of an object unit of the mesh as it was modelled, in the size that it is shown in."""
+    """Metres per object unit of the mesh as modelled, in its visible size."""
     return units.metres_per_unit(obj, scene) * of(obj, scene)
 
 
 def _above_all(obj: bpy.types.Object, rig: bpy.types.Object) -> list[bpy.types.PoseBone]:
-    """The bones that every bone with a vertex group of the object hangs from, or is, from the root down."""
+    """The bones that are, for every bone with a vertex group of the object, this bone or its ancestor; root first."""
     chains = [[*reversed(bone.parent_recursive), bone] for bone in map(rig.pose.bones.get, obj.vertex_groups.keys())
               if bone is not None and bone.bone.use_deform]
     common = chains[0] if chains else []
@@ -65,7 +66,7 @@ def _above_all(obj: bpy.types.Object, rig: bpy.types.Object) -> list[bpy.types.P
 
 
 def _keyed_scale(about: bpy.types.AnimData, path: str, bone: bpy.types.PoseBone, frame: int) -> list[float]:
-    """Of its axes in a frame; 1 where drivers or strips have a say."""
+    """The scale of each axis in a frame; 1 if drivers or strips affect it."""
     if compat.has_strips(about) or any(curve.data_path == path for curve in about.drivers):
         return [1.0, 1.0, 1.0]
     curves = [compat.find_curve(about, path, axis) for axis in range(3)]

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What is kept of objects from frame to frame, outside the file: one table for wrinkles, one for Wrinkle Maps.
+"""The state of objects from frame to frame, which is not stored in the file: one table for wrinkles, one for Wrinkle
+Maps.
 
-Nothing here is stored in ID properties: handlers run in a render thread too, where writing them is forbidden.
+It is not stored in ID properties, because handlers also run in a render thread, which must not write these.
 """
 from __future__ import annotations
 
@@ -16,38 +17,38 @@ from .messages import Messages
 
 @dataclass
 class RuntimeBase(Messages):
-    """One object."""
+    """The state of one object."""
 
     stale: bool = True  # something may have changed: check before the next structural step
-    output_key: int = 0  # the mesh that was written last
+    output_key: int = 0  # session key of the mesh that was written last
 
     def invalidate_output(self) -> None:
-        """What was written may be something else now: write again, whatever it is."""
+        """The output mesh may have changed: write it again in any case."""
         self.output_key = 0
 
     def invalidate(self) -> None:
-        """Everything in the file may be another version of itself."""
+        """All data of the file may have changed."""
         self.stale = True
         self.invalidate_output()
 
     def end(self) -> None:
-        """Nobody asks for it any more."""
+        """Called when the entry is removed."""
 
 
 AnyEntry = TypeVar("AnyEntry", bound=RuntimeBase)
 
 
 class RuntimeTable(Generic[AnyEntry]):
-    """An entry for each original (not evaluated) object."""
+    """One entry for each original (not evaluated) object."""
 
     def __init__(self, new: Callable[[], AnyEntry]) -> None:
         self._new = new
         self._entries: dict[int, AnyEntry] = {}
 
     def of(self, obj: bpy.types.Object) -> AnyEntry:
-        """The entry of an object, made where there is none."""
+        """The entry of an object, created if there is none."""
         key = compat.session_key(obj)
-        entry = self._entries.get(key)  # a render's thread may ask as well
+        entry = self._entries.get(key)  # a render's thread may call this too
         return self._entries.setdefault(key, self._new()) if entry is None else entry
 
     def known(self, obj: bpy.types.Object) -> AnyEntry | None:
@@ -55,7 +56,7 @@ class RuntimeTable(Generic[AnyEntry]):
         return self._entries.get(compat.session_key(obj))
 
     def message(self, obj: bpy.types.Object) -> str:
-        """What is wrong with an object, in words; empty when nothing is."""
+        """The error message about an object, or an empty text."""
         runtime = self.known(obj)
         return "" if runtime is None else runtime.refusal or runtime.message
 
@@ -70,17 +71,17 @@ class RuntimeTable(Generic[AnyEntry]):
         self._entries.clear()
 
     def forget_all_but(self, objects: Iterable[bpy.types.Object]) -> None:
-        """Deleted objects leave nothing behind; their address may be taken over by others."""
+        """Forget deleted objects, because others may get their addresses."""
         keep = {compat.session_key(obj) for obj in objects}
         for key in [key for key in self._entries if key not in keep]:
             self._entries.pop(key).end()
 
     def invalidate_outputs(self) -> None:
-        """After a render, which wrote its last frame."""
+        """Called after a render, which wrote its last frame."""
         for runtime in self._entries.values():
             runtime.invalidate_output()
 
     def invalidate_all(self) -> None:
-        """After undo and redo. Stored frames stay."""
+        """Called after undo and redo. Stored frames stay."""
         for runtime in self._entries.values():
             runtime.invalidate()

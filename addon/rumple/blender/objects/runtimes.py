@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What is kept from frame to frame for every wrinkled object, outside the file."""
+"""The state of every wrinkled object from frame to frame, which is not stored in the file."""
 from __future__ import annotations
 
 from dataclasses import dataclass, field
@@ -17,19 +17,19 @@ from .runtime_table import RuntimeBase, RuntimeTable
 
 @dataclass
 class Inputs:
-    """What the last picture was solved from: equal inputs need no new one."""
+    """The inputs of the last result. Equal inputs need no new solve."""
 
     frame: float
     settings: Any  # of the system
     positions: np.ndarray
     world_from_object: np.ndarray
     paint: dict[str, np.ndarray]
-    frame_rate: float  # frames a second
-    uses_proxy: bool = False  # the mesh is a proxy for depth and clicks: the viewport draws the folds (preview.py)
-    in_viewport: bool = False  # for the mesh of viewports (viewport_mesh.py)
-    shows_coarse: bool = False  # in place of the folds, for tools of Weight Paint (weight_paint.py)
+    frame_rate: float  # frames per second
+    uses_proxy: bool = False  # the mesh is a proxy for depth and clicks; preview.py draws the folds
+    in_viewport: bool = False  # solved for the viewports' mesh (viewport_mesh.py)
+    shows_coarse: bool = False  # instead of the folds, for Weight Paint tools (weight_paint.py)
     body: Body | None = None
-    surroundings: Surroundings = Surroundings()  # read where the cloth swings
+    surroundings: Surroundings = Surroundings()  # only if the cloth swings
 
     def same_as(self, other: "Inputs | None") -> bool:
         return (other is not None and self.frame == other.frame and self.settings == other.settings
@@ -45,43 +45,43 @@ class Inputs:
 
 @dataclass
 class Runtime(RuntimeBase):
-    """One wrinkled object."""
+    """The state of one wrinkled object."""
 
     evaluator: engine.Wrinkles | None = None
-    shape: tuple[str, int, int] | None = None  # fingerprint of what `evaluator` was made from, and its limits
-    refused: tuple[str, int, int, int] | None = None  # of what could not be made: not tried again until it changes
-    building: Building | None = None  # what takes the evaluator's place when it is ready
-    scale: str = ""  # of an object unit in metres, when the fine mesh was last looked at
-    plain_scales: tuple = ()  # what that was made of when it was last compared
-    just_added: bool = False  # by a click, and nothing of it is there yet
-    built_with: dict[str, Any] = field(default_factory=dict)  # the properties that `evaluator` was made with
-    paint: dict[str, np.ndarray] | None = None  # None: read again
-    painted_steps: tuple[tuple[int, str, str], np.ndarray] | None = None  # of what: weight_paint.py
-    shows_coarse: bool = False  # what the mesh of output_key shows in place of the folds
-    asked_for_coarse: bool = False  # by a redraw, last
-    measured: tuple[dict, dict[str, tuple[float, float]]] | None = None  # of what was read: painted_maps.py
-    stack: str = ""  # fingerprint of the modifiers in front when the incoming mesh was last made
-    empty_at: float | None = None  # the last frame in which it showed nothing, though its modifier is on
-    tried: int = -1  # vertices that arrived, and did not fit, when it was last made anew for that reason
-    guides: list[str] = field(default_factory=list)  # names of the guides when they were last looked for
-    groups: list[str] | None = None  # names of the vertex groups when the output object was last checked
+    shape: tuple[str, int, int] | None = None  # fingerprint of the inputs of `evaluator`, and its limits
+    refused: tuple[str, int, int, int] | None = None  # a shape that failed: not tried again until it changes
+    building: Building | None = None  # will replace the evaluator when it is ready
+    scale: str = ""  # metres per object unit, at the last check of the fine mesh
+    plain_scales: tuple = ()  # the values that `scale` depends on, at the last comparison
+    just_added: bool = False  # by a click, and nothing is visible yet
+    built_with: dict[str, Any] = field(default_factory=dict)  # the properties for which `evaluator` was built
+    paint: dict[str, np.ndarray] | None = None  # None: must be read again
+    painted_steps: tuple[tuple[int, str, str], np.ndarray] | None = None  # see weight_paint.py
+    shows_coarse: bool = False  # the mesh of output_key shows the coarse mesh, not the folds
+    asked_for_coarse: bool = False  # by the last redraw
+    measured: tuple[dict, dict[str, tuple[float, float]]] | None = None  # see painted_maps.py
+    stack: str = ""  # fingerprint of the modifiers in front, when the incoming mesh was last made
+    empty_at: float | None = None  # the last frame in which it showed nothing although its modifier is on
+    tried: int = -1  # number of incoming vertices at the last rebuild because of a wrong number
+    guides: list[str] = field(default_factory=list)  # names of the guides at the last search
+    groups: list[str] | None = None  # names of the vertex groups at the last check of the output object
     inputs: Inputs | None = None
-    result: engine.FrameResult | engine.PreviewFrame | None = None  # what the mesh of output_key holds
-    fitting: tuple[int, ...] = ()  # the output meshes that were compared with what is solved
-    written_at: tuple[int, float] | None = None  # the scene and its frame that wrote the output object last
-    written_for: dict[int, Inputs] = field(default_factory=dict)  # what each of the scenes in windows wrote it from
-    moved_in: int = 0  # the scene whose last frame wrote the output object: its next one will
-    analyzing: bool = False  # a bake plays the clip through to see it: frames are read, not solved ...
-    analyzed: Inputs | None = None  # ... and this is what was read
-    asked_for_proxy: bool = False  # by the preview, last
-    bake_note: str = ""  # what is wrong with the baked clip, whatever the frame
-    curve_points: int = 0  # the most points that its curves had no room for
-    solving: float = 0.0  # seconds, of what was solved in this call
-    frame_seconds: float = 0.0  # that the last frame took which was solved anew, with what comes before; 0: none was
-    pose: np.ndarray | None = None  # coarse positions read before a rebuild, for the solve right after it
+    result: engine.FrameResult | engine.PreviewFrame | None = None  # content of the mesh of output_key
+    fitting: tuple[int, ...] = ()  # output meshes that were compared with the solved mesh
+    written_at: tuple[int, float] | None = None  # the scene and its frame that last wrote the output object
+    written_for: dict[int, Inputs] = field(default_factory=dict)  # inputs of the last write, for each scene in a window
+    moved_in: int = 0  # the scene that wrote the output object in its last frame, and will again
+    analyzing: bool = False  # a bake analyses the clip: frames are only read, not solved ...
+    analyzed: Inputs | None = None  # ... and these are the last inputs
+    asked_for_proxy: bool = False  # by the last redraw of the preview
+    bake_note: str = ""  # the error of the baked clip, in any frame
+    curve_points: int = 0  # the largest number of points that did not fit into its curves
+    solving: float = 0.0  # seconds spent on solving in this call
+    frame_seconds: float = 0.0  # duration of the last solved frame, including what comes before; 0: none
+    pose: np.ndarray | None = None  # coarse positions read before a rebuild, for the next solve
 
     def forget_inputs(self) -> None:
-        """What was solved from them is by another evaluator, or not shown: the next update solves."""
+        """The last result is of another evaluator or not visible, so the next update must solve."""
         self.inputs = None
         self.written_for.clear()
 
@@ -97,7 +97,7 @@ class Runtime(RuntimeBase):
         super().invalidate()
 
     def stop_building(self) -> None:
-        """What a thread makes for it is not wanted any more."""
+        """Discard the result of a building thread."""
         building, self.building = self.building, None
         if building is not None:
             building.drop()

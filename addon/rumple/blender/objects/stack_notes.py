@@ -1,19 +1,21 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What is odd about the stack that the wrinkles stand in: nothing fails, but no fold shows, or it costs gigabytes."""
+"""Warnings about the modifier stack around the wrinkles: nothing fails, but no folds are visible, or it needs
+gigabytes."""
 from __future__ import annotations
 
 import bpy
 
 from . import bodies, mesh_reader, modifier, point_caches, properties, runtimes, subdivision_behind, units
 
-# What poses or simulates a garment: behind the wrinkles these do not see it. Smooth, Shrinkwrap and the like may well
-# stand there.
+# Modifiers that pose or simulate a garment. Behind the wrinkles they do not affect the folds. Smooth, Shrinkwrap and
+# similar ones are allowed there.
 _POSES = frozenset(("ARMATURE", "CLOTH", "CURVE", "HOOK", "LATTICE", "MESH_CACHE", "MESH_DEFORM", "MESH_SEQUENCE_CACHE",
                     "SOFT_BODY", "SURFACE_DEFORM"))
 
 
 def of(obj: bpy.types.Object) -> list[str]:
-    """Sentences for the panel, drawn anew each time: nothing tells of a moved modifier. Only reads."""
+    """Sentences for the panel. They are made at each redraw, because Blender does not report a moved modifier. Only
+    reads."""
     nodes_mod = modifier.find(obj)
     if nodes_mod is None:
         return []
@@ -26,7 +28,8 @@ def of(obj: bpy.types.Object) -> list[str]:
 
 
 def skipped_frames(obj: bpy.types.Object) -> list[str]:
-    """An animation rendered with a Step: each of its frames is a jump. Of cloth that swings each frame says so."""
+    """About an animation rendered with a Step: each frame is a jump. Cloth that swings has its own message in each
+    frame."""
     scene = units.scene_of(obj)
     settings = properties.settings_of(obj, scene)
     if scene.frame_step == 1 or settings.stateless or settings.swings or _are_stored(obj, scene):
@@ -36,7 +39,7 @@ def skipped_frames(obj: bpy.types.Object) -> list[str]:
 
 
 def _are_stored(obj: bpy.types.Object, scene: bpy.types.Scene) -> bool:
-    """Whether every frame that an animation renders was played through to, and is stored."""
+    """Whether every frame of a rendered animation was reached by playback and is stored."""
     fine = runtimes.of(obj).evaluator
     stored = [None if fine is None else fine.frame_cache.get(float(frame))
               for frame in range(scene.frame_start, scene.frame_end + 1, scene.frame_step)]
@@ -44,15 +47,16 @@ def _are_stored(obj: bpy.types.Object, scene: bpy.types.Scene) -> bool:
 
 
 def of_children(obj: bpy.types.Object) -> list[str]:
-    """What is parented to vertices goes to the object's origin: vertices of the fine mesh have no number of the coarse
-    one. Looks at all objects, so the first click alone says it."""
+    """About children of vertices: they move to the object's origin, because vertices of the fine mesh have no index in
+    the coarse one. This visits all objects, so only the first click calls it."""
     return [f"{obj.name}: the object \"{child.name}\" is parented to vertices of it, which are other ones now: give it "
             "a Copy Location constraint with a vertex group in place of the parent"
             for child in obj.children if child.parent_type in ("VERTEX", "VERTEX_3")][:1]
 
 
 def _particles(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier) -> list[str]:
-    """Below the wrinkles they lie at the object's origin: faces of the fine mesh have no number of the coarse one."""
+    """Behind the wrinkles, particles lie at the object's origin, because faces of the fine mesh have no index in the
+    coarse one."""
     stack = list(obj.modifiers)
     return [f"{obj.name}: the particles of \"{m.name}\" do not find their places on the fine mesh: move "
             f"{nodes_mod.name} below it in the stack"
@@ -60,8 +64,8 @@ def _particles(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier) -> lis
 
 
 def _armatures(obj: bpy.types.Object) -> list[str]:
-    """Those that move no vertex, for they have no object, or no weights are there for its bones: as cloth the garment
-    would hang alone."""
+    """Armature modifiers that move no vertex, because they have no object or there are no weights for its bones. With a
+    base cloth the garment would hang without support."""
     groups, notes = {group.name for group in obj.vertex_groups}, []
     for m in obj.modifiers:
         if m.type != "ARMATURE" or not _is_on(m):
@@ -76,8 +80,8 @@ def _armatures(obj: bpy.types.Object) -> list[str]:
 
 
 def _scale(obj: bpy.types.Object) -> list[str]:
-    """Lengths are compared in the object's own space: where that is not the one that it is bent in, but for its size,
-    what only turns changes its lengths there."""
+    """Lengths are compared in object space. If this differs from the space of the deformation by more than a uniform
+    scale, rotations change lengths."""
     uneven = units.unevenly_scaled(obj, units.scene_of(obj))
     return [] if uneven is None else [
         f"{obj.name}: the scale of \"{uneven.name}\" differs by axes, so folds come where cloth only turns: apply it "
@@ -99,7 +103,7 @@ def _order(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier) -> list[st
 
 
 def _other_points_in_renders(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier) -> list[str]:
-    """The first modifier that does so: the fine mesh is made for what viewports have."""
+    """About the first modifier that makes other points in renders: the fine mesh is made for the viewports' points."""
     for m in modifier.in_front(obj):
         if not modifier.changes_topology(m):
             continue
@@ -115,12 +119,12 @@ def _other_points_in_renders(obj: bpy.types.Object, nodes_mod: bpy.types.NodesMo
 
 
 def _is_simplified(m: bpy.types.Modifier) -> bool:
-    """Whether its levels are alike but for Simplify."""
+    """Whether its levels differ only because of Simplify."""
     return bpy.context.scene.render.use_simplify and getattr(m, "levels", 0) == getattr(m, "render_levels", 0)
 
 
 def _levels(m: bpy.types.Modifier, name: str) -> int:
-    """Subdivisions of viewports ("levels") or of renders ("render_levels"), at most those of Simplify."""
+    """Subdivisions in viewports ("levels") or renders ("render_levels"), limited by Simplify."""
     render, levels = bpy.context.scene.render, getattr(m, name, 0)
     most = render.simplify_subdivision_render if name == "render_levels" else render.simplify_subdivision
     return min(levels, most) if render.use_simplify and m.type == "SUBSURF" else levels
@@ -131,7 +135,7 @@ def _is_on(m: bpy.types.Modifier) -> bool:
 
 
 def _is_folded_otherwise(obj: bpy.types.Object) -> bool:
-    """By shape keys, a parent that deforms, cloth, another rest shape, or by hand."""
+    """Whether it has shape keys, a deforming parent, cloth, another rest shape, or paint by hand."""
     keys, settings = obj.data.shape_keys, properties.group_of(obj)
     painted = obj.rumple.method == "FIELD" and mesh_reader.REST_WRINKLE in obj.data.attributes
     return ((keys is not None and len(keys.key_blocks) > 1) or obj.parent_type in ("ARMATURE", "LATTICE", "CURVE")

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What Blender's own Subdivision behind the wrinkles needs. Quads are cheap; of triangles it refines every corner as
-often as its Quality says, with gigabytes for a fine mesh of tens of thousands. That is said before it is spent."""
+"""Limits for Blender's own Subdivision behind the wrinkles. Quads are cheap. For triangles it refines every corner
+according to its Quality, which needs gigabytes for a fine mesh of tens of thousands. The user is warned before the
+memory is needed."""
 from __future__ import annotations
 
 from typing import Any, Callable
@@ -11,23 +12,23 @@ import numpy as np
 from ...core.engine import UserError
 from . import modifier
 
-MEGABYTES = 0.028  # for a triangle and a step of Quality: measured in 3.4, 5,632 triangles, Quality 1 to 4
+MEGABYTES = 0.028  # per triangle and step of Quality: measured in 3.4, 5,632 triangles, Quality 1 to 4
 NOTED, MOST = 300.0, 3000.0  # megabytes
-MANY = 1_000_000  # vertices that a render gets
+MANY = 1_000_000  # number of vertices in a render
 
 
 def refuse_costly(obj: bpy.types.Object, fine: Any) -> None:
-    """Raises engine.UserError where Blender could end for want of memory. It depends on quality() too. fine:
-    engine.Wrinkles that are to be shown."""
+    """Raises engine.UserError if Blender could crash from lack of memory. The result depends on quality() too. fine:
+    the engine.Wrinkles to show."""
     name, needed = _need(obj, fine)
     if needed > MOST:
         raise UserError(_sentence(obj, name, needed))
 
 
 def try_lighter(obj: bpy.types.Object, prepare: Callable[[], bool]) -> str:
-    """Tries to make the fine mesh without the limit surface of what is behind it: that costs the gigabytes, and shows
-    little over a fine mesh. prepare: makes it, and says whether that went. Returns what to say of it; empty where it
-    did not go, and nothing is changed."""
+    """Try to make the fine mesh without Use Limit Surface in the Subdivisions behind it. The limit surface needs the
+    gigabytes, and has little effect on a fine mesh. prepare: makes the mesh, and returns whether this succeeded.
+    Returns a message; empty if it failed, and then nothing is changed."""
     costly = _refining(obj)
     for m in costly:
         m.use_limit_surface = False
@@ -41,18 +42,18 @@ def try_lighter(obj: bpy.types.Object, prepare: Callable[[], bool]) -> str:
 
 
 def quality(obj: bpy.types.Object) -> int:
-    """Most Quality of a Subdivision behind the wrinkles; 0: none refines."""
+    """The largest Quality of a Subdivision behind the wrinkles; 0: none refines."""
     return max((m.quality for m in _refining(obj)), default=0)
 
 
 def notes(obj: bpy.types.Object, fine: Any) -> list[str]:
-    """What to say where it is much. fine: engine.Wrinkles that are shown; None: none are."""
+    """Warnings about large memory or vertex numbers. fine: the shown engine.Wrinkles, or None."""
     name, needed = _need(obj, fine)
     return [_sentence(obj, name, needed)] if needed > NOTED else _too_many(obj, fine)
 
 
 def _too_many(obj: bpy.types.Object, fine: Any) -> list[str]:
-    """Folds are fine meshes already: what was chosen for the coarse one makes millions of vertices of them."""
+    """Warns about levels that were chosen for the coarse mesh: on a fine mesh they make millions of vertices."""
     behind = [m for m in _behind(obj) if m.type == "SUBSURF" and m.show_render and m.render_levels]
     if not behind or fine is None or _only_shades(obj):
         return []
@@ -66,8 +67,8 @@ def _only_shades(obj: bpy.types.Object) -> bool:
 
 
 def _need(obj: bpy.types.Object, fine: Any) -> tuple[str, float]:
-    """The modifier that needs most, and megabytes. A mesh that is only shaded keeps its own triangles, which the artist
-    chose: they are not counted."""
+    """The modifier that needs most memory, and megabytes. A mesh that is only shaded does not count: it has its own
+    triangles, which the artist chose."""
     behind = _refining(obj)
     if fine is None or _only_shades(obj) or not behind:
         return "", 0.0

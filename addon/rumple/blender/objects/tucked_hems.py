@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Which hems of a garment are tucked into other clothes, for the first click: a shirt in trousers, a leg in a boot.
-They are painted as pinned, so that the artist sees and changes them. Where an arm rose, such a hem came out of the
-waistband; of a character whose body is deleted under its clothes nothing was left between the two."""
+"""Finds the hems of a garment that are tucked into other clothes, for the first click: a shirt in trousers, a leg in a
+boot. They are painted as pinned, so that the artist can see and change them. Without this, such a hem leaves the
+waistband when an arm rises. If the body was deleted under the clothes, there is then a gap between both."""
 from __future__ import annotations
 
 import bpy
@@ -20,13 +20,13 @@ from ...core.vertices import places
 from .. import compat
 from . import cloth_defaults, painted_maps, properties, rig_scale
 
-REACH = 0.02  # metres, of a garment that an adult wears: what covers a hem is no farther away
+REACH = 0.02  # metres, of an adult's garment: largest distance of the clothes over a hem
 
 
 def paint(obj: bpy.types.Object, scene: bpy.types.Scene, trees: dict[bpy.types.Object, BVHTree], sheet: bool) -> None:
-    """Paint Pinned where a hem is tucked in, and elsewhere what is pinned without the map; nothing where all that is
-    tucked in is pinned without it. What was painted stays; sheets and skirts are not tucked in. trees: of
-    body_search.tree_of(), of what may lie over it. Cost: 20 ms for 1,000 vertices of borders."""
+    """Paint Pinned at tucked hems, and elsewhere the weights that would be pinned without the map. Nothing is painted
+    if all tucked vertices are pinned without the map. An existing map is not changed; sheets and skirts are not tucked
+    in. trees: from body_search.tree_of(), of objects that may be over it. Cost: 20 ms for 1,000 border vertices."""
     painted, settings = painted_maps.find(obj, "follow"), properties.group_of(obj)
     if painted is None or painted.exists or not trees or sheet or settings.base_cloth == "OFF":
         return
@@ -37,7 +37,7 @@ def paint(obj: bpy.types.Object, scene: bpy.types.Scene, trees: dict[bpy.types.O
         hidden = _tucked(obj, base, trees, scene)
         follow = suggested_follow(base.surface(True), settings.up) if len(hidden) else np.zeros(0)
     except UserError:
-        return  # what is wrong with it is said where it is built
+        return  # the build reports this error
     if not (follow[hidden] < tucked.HELD).any():
         return  # a waistband under a shirt
     weights = tucked.held(follow, base.positions, hidden, base.diagonal())[:base.own_origin().vertex_count]
@@ -47,7 +47,7 @@ def paint(obj: bpy.types.Object, scene: bpy.types.Scene, trees: dict[bpy.types.O
 
 def _tucked(obj: bpy.types.Object, base: BaseMesh, trees: dict[bpy.types.Object, BVHTree],
             scene: bpy.types.Scene) -> np.ndarray:
-    """The vertices of the borders that lie under other clothes. base: healed, so its normals are outward."""
+    """The border vertices under other clothes. base: healed, so its normals point outwards."""
     world = np.array(obj.matrix_world, np.float32)
     rest = transforms.placed(world, base.positions)
     turn = np.array(obj.matrix_world.to_3x3().inverted_safe().transposed())
@@ -63,7 +63,7 @@ def _tucked(obj: bpy.types.Object, base: BaseMesh, trees: dict[bpy.types.Object,
 
 
 def _is_under(place: Vector, normal: Vector, trees: dict[bpy.types.Object, BVHTree], reach: float) -> bool:
-    """Whether there is another surface outside of a place, which faces the same way."""
+    """Whether another surface with the same orientation is outside of a place, within reach."""
     for tree in trees.values():
         nearest, facing, _, _ = tree.find_nearest(place, reach)
         if nearest is not None and (nearest - place).dot(normal) > 0.0 and facing.dot(normal) > 0.0:

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The hidden data-blocks that our modifiers and settings name, while something is undone.
+"""Clears the references of our modifiers and settings to hidden data-blocks during an undo.
 
-Undo leaves a data-block as it is in memory where it is linked, or where both undo steps have the same of it. What was
-written into it since, outside of a step, stays as well: handlers and timers make output objects. Undo frees what no
-step has, and reads the rest anew, so such a data-block would name memory that was freed: Blender crashed. So ours name
-nothing of that kind meanwhile.
+Undo does not replace a data-block in memory if it is linked, or if both undo steps have the same version of it. Then
+references written into it since the last step also stay; handlers and timers write such references to output objects.
+But undo frees data-blocks that the step does not have, and replaces changed ones. The references would then point to
+freed memory, and Blender crashed. So our modifiers and settings have no such references during an undo.
 """
 from __future__ import annotations
 
@@ -20,8 +20,9 @@ _SETTINGS = {"rumple": ("incoming", "captured", "profile_curve"), "rumple_maps":
 
 
 class _Block(NamedTuple):
-    """A data-block as it was. In 3.4 its key is its address, which another one may have after the undo: a mesh of the
-    artist's, or that of another garment. Two data-blocks of one type do not have the same name."""
+    """The identity of a data-block. In 3.4 its key is its address. After the undo another data-block may have this
+    address: a mesh of the artist or of another garment. So the name is compared too: two data-blocks of one type have
+    different names."""
 
     key: int
     kind: type[bpy.types.ID]
@@ -32,13 +33,13 @@ class _Block(NamedTuple):
         return cls(compat.session_key(block), type(block), block.name_full)
 
     def found(self, present: dict[int, bpy.types.ID]) -> bpy.types.ID | None:
-        """The same one, by session key, if it is there."""
+        """The same data-block, found by session key, if it still exists."""
         block = present.get(self.key)
         return block if isinstance(block, self.kind) and block.name_full == self.name else None
 
 
 class _Named(NamedTuple):
-    """What one of our modifiers, and the settings of its object, named, by input and setting."""
+    """The references of one of our modifiers and of the settings of its object, by input and setting."""
 
     obj: _Block
     modifier: str
@@ -50,8 +51,8 @@ _named: list[_Named] = []
 
 
 def clear_references() -> None:
-    """Before an undo or a redo. Cost: as a search for our modifiers; Blender evaluates their objects again."""
-    restore_references()  # after one that was broken off
+    """Called before an undo or a redo. Cost: as a search for our modifiers. Blender evaluates their objects again."""
+    restore_references()  # in case that the last undo was aborted
     for obj, nodes_mod, names in list(kept_lists.with_hidden()):
         with messages.console_errors(obj.name):
             inputs = _blocks({name: get_input(nodes_mod, name) for name in names})
@@ -64,7 +65,8 @@ def clear_references() -> None:
 
 
 def restore_references() -> None:
-    """After it: where undo left an object as it was, as far as that is there. The rest is made anew."""
+    """Called after it. Restores the references of objects that undo has not replaced, as far as the data-blocks exist.
+    The others are rebuilt."""
     named, _named[:] = list(_named), []
     if not named:
         return
@@ -80,7 +82,7 @@ def _restore(named: _Named, present: dict[int, bpy.types.ID]) -> None:
     nodes_mod = None if obj is None else obj.modifiers.get(named.modifier)
     if nodes_mod is None:
         return
-    # An object that was read anew has some of it again, or it needs none of it.
+    # An object that was replaced already has some of them, or needs none.
     if all(getattr(getattr(obj, group), name) is None for group, name in named.settings):
         for (group, name), block in named.settings.items():
             setattr(getattr(obj, group), name, block.found(present))
@@ -93,12 +95,12 @@ def _set(nodes_mod: bpy.types.NodesModifier, values: dict[str, bpy.types.Object 
     for name, value in values.items():
         set_input(nodes_mod, name, value)
     if values:
-        # An input set from Python does not tell the dependency graph about the new relation; setting the group does.
+        # If Python sets an input, the dependency graph does not get the new relation. It does if the group is set.
         nodes_mod.node_group = nodes_mod.node_group
         nodes_mod.id_data.update_tag()
 
 
 def _blocks(blocks: dict[Any, object]) -> dict[Any, _Block]:
-    """Those that undo may free or read anew."""
+    """The data-blocks that undo may free or replace."""
     return {name: _Block.of(block) for name, block in blocks.items()
             if isinstance(block, bpy.types.ID) and compat.is_editable(block)}

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The scene that counts for an object, its length unit in metres, and the first frame of the clip."""
+"""The scene of an object, its length unit in metres, and the first frame of the clip."""
 from __future__ import annotations
 
 from typing import Iterator
@@ -12,44 +12,45 @@ from ...core import transforms
 from .. import compat
 
 SCALES = [(name, axis) for name in ("scale", "delta_scale") for axis in range(3)]
-EVEN = 1.02  # times as long along one axis as along another: less is hardly seen
+EVEN = 1.02  # largest ratio of scales along two axes whose difference is hardly visible
 
 
 def scene_of(obj: bpy.types.Object) -> bpy.types.Scene:
-    """The scene whose units and frames count for an object."""
+    """The scene whose units and frames are used for an object."""
     return next(iter(obj.users_scene), None) or bpy.context.scene
 
 
 def first_frame(obj: bpy.types.Object, scene: bpy.types.Scene) -> int:
-    """The frame of the clip that needs none before it. Not the scene's Start alone: that one is moved to render a part
-    again, and a bake may begin before it."""
+    """The frame of the clip that depends on no frame before it. Not only the scene's Start: artists move it to render a
+    part again, and a bake may begin before it."""
     return min(scene.frame_start, obj.rumple.bake_start)
 
 
 def frame_of(scene: bpy.types.Scene) -> float:
-    """Its number on the timeline, by which frames follow one another. Under Time Stretching frame_current_final is what
-    of the animation is shown there: 0.5, 1.0, 1.5 in the frames 1 to 3."""
+    """The frame number on the timeline, which defines the order of frames. With Time Stretching, frame_current_final
+    would be the shown time of the animation: 0.5, 1.0, 1.5 in the frames 1 to 3."""
     return float(np.float32(scene.frame_current + scene.frame_subframe))
 
 
 def frame_rate(scene: bpy.types.Scene) -> float:
-    """Frames of the timeline for each second of the animation."""
+    """Frames of the timeline per second of the animation."""
     render = scene.render
     return render.fps / render.fps_base * (render.frame_map_new / render.frame_map_old)
 
 
 def metres_per_unit(obj: bpy.types.Object, scene: bpy.types.Scene) -> float:
-    """Mean absolute scale of an object times the scene's unit scale. A keyed scale counts as it is in the clip's first
-    frame, whichever is shown."""
+    """Mean absolute scale of an object times the scene's unit scale. Of a keyed scale, the value in the clip's first
+    frame is used, so that the result does not depend on the current frame."""
     mean = sum(abs(s) for s in _matrix_at(obj, first_frame(obj, scene)).to_scale()) / 3.0
     if any(_scale_curves(one) for one in with_parents(obj)):
-        mean = float(f"{mean:.5g}")  # a part of what is shown is rounded otherwise in each frame
+        mean = float(f"{mean:.5g}")  # rounding errors of an evaluated scale differ between frames
     return mean * scene.unit_settings.scale_length
 
 
 def unevenly_scaled(obj: bpy.types.Object, scene: bpy.types.Scene) -> bpy.types.Object | None:
-    """Whose scale makes lengths along the axes of an object differ in the clip's first frame: the farthest of its
-    parents whose own scale does, or itself. None where they are alike, or differ as much for its armature."""
+    """The object whose scale makes lengths along the axes of an object differ in the clip's first frame: the most
+    distant ancestor with an uneven scale, or the object itself. None if the scale is even, or only the armature's space
+    has the same uneven scale."""
     first, rig = first_frame(obj, scene), obj.find_armature()
     matrix = _matrix_at(obj, first)
     bent = matrix if rig is None else _matrix_at(rig, first).inverted_safe() @ matrix
@@ -71,9 +72,9 @@ def _differ(scale: list[float]) -> bool:
 
 
 def _matrix_at(obj: bpy.types.Object, frame: int) -> Matrix:
-    """Where it stands in the world, with the scales that are keyed for a frame.
+    """The object's world matrix, with the scales that are keyed for a frame.
 
-    From the parents' own transforms, not from matrix_world: that one is not there yet after loading a file.
+    It is computed from the parents' own transforms, because matrix_world is not yet valid after loading a file.
     """
     matrix, parent = _basis_at(obj, frame), obj.parent
     inverse = obj.matrix_parent_inverse
@@ -84,18 +85,18 @@ def _matrix_at(obj: bpy.types.Object, frame: int) -> Matrix:
 
 
 def most_metres_per_unit(obj: bpy.types.Object, scene: bpy.types.Scene) -> float:
-    """As its longest axis is shown: no distance in the object is longer in metres."""
+    """Scale along the longest axis: no distance in the object is longer in metres."""
     return max(abs(scale) for scale in obj.matrix_world.to_scale()) * scene.unit_settings.scale_length
 
 
 def plain_scales(obj: bpy.types.Object, scene: bpy.types.Scene) -> tuple:
-    """All that metres_per_unit() is made of, as it stands now: it is read in each frame, and hardly ever differs."""
+    """The current values that metres_per_unit() depends on. They are read in each frame, and hardly ever change."""
     return (scene.unit_settings.scale_length, *((*one.scale, *one.delta_scale, one.matrix_parent_inverse.median_scale)
                                                 for one in with_parents(obj)))
 
 
 def scale_is_known(obj: bpy.types.Object) -> bool:
-    """Whether metres_per_unit() is the same in all frames, as long as nobody changes it: not of drivers and strips."""
+    """Whether metres_per_unit() is the same in all frames until somebody edits it. It is not with drivers or strips."""
     return not any(_scales_otherwise(one.animation_data) for one in with_parents(obj)
                    if one.animation_data is not None)
 
@@ -106,7 +107,7 @@ def _scales_otherwise(about: bpy.types.AnimData) -> bool:
 
 
 def with_parents(obj: bpy.types.Object) -> Iterator[bpy.types.Object]:
-    """An object, its parent, the parent of that, ..."""
+    """An object, its parent, the parent's parent, ..."""
     one: bpy.types.Object | None = obj
     while one is not None:
         yield one
@@ -120,7 +121,7 @@ def _scale_curves(obj: bpy.types.Object) -> list[bpy.types.FCurve]:
 
 
 def _basis_at(obj: bpy.types.Object, frame: int) -> Matrix:
-    """Its own transform, with the scale that is keyed for a frame."""
+    """The object's own transform, with the scale that is keyed for a frame."""
     if not _scale_curves(obj):
         return obj.matrix_basis.copy()
     place, turn, _ = obj.matrix_basis.decompose()
@@ -128,7 +129,7 @@ def _basis_at(obj: bpy.types.Object, frame: int) -> Matrix:
 
 
 def _own_scale(obj: bpy.types.Object, frame: int) -> list[float]:
-    """Of its axes, as it is keyed for a frame."""
+    """The object's own scale per axis, as keyed for a frame."""
     scale = {name: list(getattr(obj, name)) for name in ("scale", "delta_scale")}
     for curve in _scale_curves(obj):
         scale[curve.data_path][curve.array_index] = curve.evaluate(frame)

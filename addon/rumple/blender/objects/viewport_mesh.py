@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The mesh that viewports show, subdivided fewer times than that of renders: as Subdivision has two levels.
+"""A separate mesh for viewports, with fewer subdivisions than in renders, like the two levels of Subdivision.
 
-The same folds are solved for both. It is another hidden output object; a flag (nodes/output_flags.py) tells the node
-tree whether viewports show it: they show the mesh of renders where a bake reads that, and where something counts on the
-points it saw.
+The same folds are solved for both. The mesh is in another hidden output object. A flag (nodes/output_flags.py) controls
+whether viewports show it. They show the mesh of renders while a bake reads it, and if something depends on the points
+of that mesh.
 """
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ from .. import compat
 from ..nodes.output_flags import Flag, change_flag, is_set
 from . import modifier
 
-# Modifiers behind the wrinkles that keep nothing of a mesh they saw: another number of points does not disturb them.
+# Modifiers behind the wrinkles that store nothing of their input: they work with any number of points.
 _KEEP_NOTHING = frozenset((
     "ARRAY", "BEVEL", "CAST", "DECIMATE", "DISPLACE", "EDGE_SPLIT", "LAPLACIANSMOOTH", "MASK", "MIRROR", "NODES",
     "SHRINKWRAP", "SIMPLE_DEFORM", "SMOOTH", "SOLIDIFY", "SUBSURF", "TRIANGULATE", "WARP", "WEIGHTED_NORMAL", "WELD",
     "WIREFRAME"))
-# Modifiers of other objects that count on the points of their target.
+# Modifiers of other objects that are bound to the points of their target.
 _BOUND_TO_TARGET = frozenset(("MESH_DEFORM", "PARTICLE_INSTANCE", "SURFACE_DEFORM"))
 
 _pauses = 0
@@ -31,7 +31,7 @@ _pauses = 0
 
 @contextmanager
 def paused() -> Iterator[None]:
-    """While somebody needs the mesh of renders in a viewport's depsgraph: bakes, Apply."""
+    """Inside this context a viewport's depsgraph has the mesh of renders, for bakes and Apply."""
     global _pauses
     _pauses += 1
     try:
@@ -45,7 +45,7 @@ def is_paused() -> bool:
 
 
 def may_differ(pairs: list[tuple[bpy.types.Object, bpy.types.NodesModifier]]) -> set[bpy.types.Object]:
-    """Those of the wrinkled objects that viewports may show with other points than renders.
+    """The wrinkled objects that viewports may show with other points than renders.
 
     Cost: about a microsecond for each modifier of the file and each node of its geometry node groups.
     """
@@ -58,7 +58,7 @@ def may_differ(pairs: list[tuple[bpy.types.Object, bpy.types.NodesModifier]]) ->
 
 
 def _is_read_behind(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier) -> bool:
-    """Whether nodes behind the wrinkles know the mesh of renders: Wrinkle Maps."""
+    """Whether nodes behind the wrinkles refer to the mesh of renders, as Wrinkle Maps do."""
     output, modifiers = modifier.output_object(nodes_mod), list(obj.modifiers)
     behind = [m for m in modifiers[modifiers.index(nodes_mod) + 1:] if m.type == "NODES" and m.node_group is not None]
     return any(compat.modifier_input(m, identifier) == output
@@ -66,33 +66,33 @@ def _is_read_behind(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier) -
 
 
 def solved_for(nodes_mod: bpy.types.NodesModifier, fine: engine.Wrinkles) -> list[ShownMesh]:
-    """The meshes that modifier.outputs() must have: that of renders, and where there is one that of viewports."""
+    """The meshes that modifier.outputs() must have: the one of renders, and the one of viewports if it exists."""
     in_viewport = fine.in_viewport if modifier.can_show_in_viewport(nodes_mod) else None
     return [fine] if in_viewport is None else [fine, in_viewport]
 
 
 def show_in_viewports(nodes_mod: bpy.types.NodesModifier, wanted: bool) -> None:
-    """Let viewports show it, or not. Allowed where first_pass.py sets its flag."""
+    """Let viewports show their own mesh, or not. Allowed wherever first_pass.py may set its flag."""
     mesh = modifier.viewport_output(nodes_mod)
     if mesh is not None:
         change_flag(mesh, Flag.RENDER_MESH, not wanted)
 
 
 def is_shown(nodes_mod: bpy.types.NodesModifier) -> bool:
-    """Whether viewports show it."""
+    """Whether viewports show their own mesh."""
     mesh = modifier.viewport_output(nodes_mod)
     return mesh is not None and not is_set(mesh, Flag.RENDER_MESH) and not modifier.is_baked(nodes_mod)
 
 
 def keeps_nothing_behind(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier) -> bool:
-    """Whether nothing of the object itself keeps the mesh that it was shown last."""
+    """Whether the object itself has no data that depends on its shown mesh."""
     modifiers = list(obj.modifiers)
     behind = modifiers[modifiers.index(nodes_mod) + 1:]
     return obj.rigid_body is None and all(m.type in _KEEP_NOTHING for m in behind)
 
 
 def targets() -> set[bpy.types.Object | None]:
-    """What modifiers of other objects are bound to, and what other garments follow."""
+    """The objects that modifiers of other objects are bound to, and that other garments follow."""
     bound = {getattr(m, "target", None) or getattr(m, "object", None)
              for obj in bpy.data.objects for m in obj.modifiers if m.type in _BOUND_TO_TARGET}
     wrinkled = [obj for obj, _nodes_mod in modifier.wrinkled_objects()]
@@ -100,7 +100,7 @@ def targets() -> set[bpy.types.Object | None]:
 
 
 def nodes_keep_meshes() -> bool:
-    """Whether any nodes (Blender 3.6 and later) keep a mesh that they saw."""
+    """Whether any nodes (Blender 3.6 and later) store a mesh."""
     return any(node.bl_idname in ("GeometryNodeSimulationOutput", "GeometryNodeBake")
                for group in bpy.data.node_groups if group.users and group.bl_idname == "GeometryNodeTree"
                for node in group.nodes)

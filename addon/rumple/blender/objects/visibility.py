@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Where keyed visibility hides a garment, Blender leaves its mesh as it was in the last frame that showed it, and says
-that it is evaluated all the same."""
+"""Garments hidden by keyed visibility. Blender does not update their mesh while they are hidden, but reports it as
+evaluated."""
 from __future__ import annotations
 
 import bpy
@@ -12,14 +12,16 @@ HIDES = ("hide_viewport", "hide_render")
 
 
 def is_skipped(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> bool:
-    """Whether a depsgraph has not the mesh of this frame: the object is hidden there, and nothing else needs it."""
+    """Whether a depsgraph does not have the mesh of this frame, because the object is hidden and not needed by
+    others."""
     evaluated = obj.evaluated_get(depsgraph)
     hidden = evaluated.hide_render if depsgraph.mode == "RENDER" else evaluated.hide_viewport
     return hidden and is_keyed(obj) and not _is_needed(obj)
 
 
 def is_keyed(obj: bpy.types.Object) -> bool:
-    """Without keys or a driver an object that is hidden comes into a depsgraph only where another one needs it."""
+    """Whether its visibility is animated. Otherwise a hidden object is in a depsgraph only if another object needs
+    it."""
     about = obj.animation_data
     if about is None:
         return False
@@ -28,6 +30,6 @@ def is_keyed(obj: bpy.types.Object) -> bool:
 
 
 def _is_needed(obj: bpy.types.Object) -> bool:
-    """Whether it is worn under another one, or a modifier follows it."""
+    """Whether it is worn under another object, or a modifier depends on it."""
     return (any(obj in bodies.of(other) for other, _ours in modifier.wrinkled_objects())
             or any(modifier.depends_on(other, [obj]) is not None for other in bpy.data.objects if other != obj))

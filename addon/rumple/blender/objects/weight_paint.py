@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What Weight Paint needs of a wrinkled mesh while it is in that mode.
+"""Support for Weight Paint on a wrinkled mesh.
 
-Gradients, samples and the selection of a mask look for the artist's own vertices in the mesh that a viewport shows. A
-mesh that nodes made has none of them, so these tools did nothing. Viewports show the coarse mesh for them, as it comes
-from the modifiers in front; brushes work where the folds are shown. Colours under a brush are those of the fine mesh.
+Gradients, samples and the selection of a mask search for the artist's own vertices in the mesh that a viewport shows. A
+mesh made by nodes has no such vertices, so these tools would do nothing. For them viewports show the coarse mesh, as it
+comes from the modifiers in front. Brushes work on the shown folds. The colours under a brush are those of the fine
+mesh.
 """
 from __future__ import annotations
 
@@ -24,20 +25,20 @@ _asked = False  # by a shortcut of such a tool
 
 
 def ask_for_coarse(wanted: bool) -> None:
-    """For a tool that is not the active one. The object is to be evaluated after it."""
+    """For a tool that is not the active one. Evaluate the object afterwards."""
     global _asked
     _asked = wanted
 
 
 def needs_coarse(obj: bpy.types.Object) -> bool:
-    """Whether viewports show the coarse mesh. In the main thread."""
+    """Whether viewports show the coarse mesh. Call it in the main thread."""
     if bpy.app.background or obj.mode != MODE:
         return False
     return _asked or painted_maps.is_masked(obj) or _has_tool()
 
 
 def _has_tool() -> bool:
-    """In any window: they may be of one workspace."""
+    """Whether such a tool is active in any window. Each workspace may have its own tool."""
     for window in bpy.context.window_manager.windows:
         tool = window.workspace.tools.from_space_view3d_mode("PAINT_WEIGHT", create=False)
         if tool is not None and tool.idname in _TOOLS:
@@ -46,10 +47,10 @@ def _has_tool() -> bool:
 
 
 def carry_colours(obj: bpy.types.Object, output: bpy.types.Object, fine: ShownMesh, runtime: Runtime) -> bool:
-    """Give an output object the weights of the group that is painted now, as far as they differ from those it had.
-    True where they do. Cost: 1 ms for 12,000 vertices, and 1 ms per 1,000 of the coarse mesh.
+    """Update the weights of the painted group on an output object. Returns whether they changed. Cost: 1 ms for 12,000
+    vertices, and 1 ms per 1,000 of the coarse mesh.
 
-    rebuild.py carries all groups; this is for what a brush has changed since.
+    rebuild.py carries all groups; this carries only the changes made by a brush.
     """
     group = obj.vertex_groups.active
     if obj.mode != MODE or group is None or group.name not in output.vertex_groups:

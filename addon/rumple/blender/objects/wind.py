@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Blender's force fields, for cloth that swings. Only reads: allowed in any handler."""
+"""Blender's force fields, for cloth that swings. Only reads, so any handler may call it."""
 from __future__ import annotations
 
 from typing import Iterator
@@ -13,12 +13,12 @@ from ...core.surroundings import Field, Surroundings, surroundings_of
 KINDS = ("WIND", "FORCE", "VORTEX", "HARMONIC", "DRAG", "TURBULENCE")
 SHAPES = ("POINT", "LINE", "PLANE")
 SIDES = {"POSITIVE": "ABOVE", "NEGATIVE": "BELOW"}
-# Of particles, hair and smoke alone: Blender's Cloth feels nothing of them either.
+# These affect only particles, hair and smoke, and not Blender's Cloth either.
 OTHERS = ("BOID", "GUIDE", "CHARGE", "LENNARDJ")
 
 
 def surroundings(evaluated: bpy.types.Object, depsgraph: bpy.types.Depsgraph, settings: ClothSettings) -> Surroundings:
-    """Of a garment, as a depsgraph has it. settings: of its system."""
+    """The surroundings of a garment in a depsgraph. settings: of its system."""
     if not settings.swings:
         return Surroundings()
     fields = [_field(obj.field, obj.matrix_world) for obj in _effectors(depsgraph)
@@ -28,7 +28,7 @@ def surroundings(evaluated: bpy.types.Object, depsgraph: bpy.types.Depsgraph, se
 
 
 def _not_felt(depsgraph: bpy.types.Depsgraph) -> tuple[str, ...]:
-    """Names of the objects whose force field Blender's Cloth would feel, and ours does not."""
+    """Names of objects with a force field that Blender's Cloth would react to, and ours does not."""
     return tuple(sorted({obj.name for obj in _effectors(depsgraph) if obj.field.type not in (*KINDS, *OTHERS)}))
 
 
@@ -42,8 +42,8 @@ def _three(vector: Vector) -> tuple[float, float, float]:
 
 
 def _field(field: bpy.types.FieldSettings, world: Matrix) -> Field:
-    """What distance is from is the origin of its object where that would be its surface or its points. Blender's
-    Linear Drag is of the square of the velocity, and its Quadratic Drag of the velocity."""
+    """A force field for the core. If the distance is from a surface or from points, the object's origin is used
+    instead. Blender's Linear Drag depends on the square of the velocity, and its Quadratic Drag on the velocity."""
     damping = {"HARMONIC": field.harmonic_damping, "DRAG": field.quadratic_drag}.get(field.type, 0.0)
     size = {"HARMONIC": field.rest_length, "TURBULENCE": field.size}.get(field.type, 0.0)
     return Field(
