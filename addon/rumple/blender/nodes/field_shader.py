@@ -1,14 +1,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The shader node group "Rumple Field": the waves of the Wrinkle Field for every pixel, in Cycles and EEVEE.
 
-Source: Loviscach 2006, equation numbers are the paper's. It reads what core/wrinkle_field.py puts on the corners of
-every triangle; where those attributes are missing the waves have no height, so other objects may share the material.
+Source: Loviscach 2006, equation numbers are the paper's. It reads the attributes that core/wrinkle_field.py writes on
+the corners of every triangle. Without these attributes the waves have no height, so other objects may use the material.
 
     Height  equation (5), in the object's units
-    Normal  equations (7) and (8), without the gradient of the barycentric coordinates: it would draw the triangles
-    UV      the object's UV map moved by the parallax of equations (10) and (11)
+    Normal  equations (7) and (8), without the gradient of the barycentric coordinates, which would show the triangles
+    UV      the object's UV map, displaced by the parallax of equations (10) and (11)
 
-Input "Normal": what other nodes made of the normal, or nothing. "Parallax": how much of (10) is used.
+Input "Normal": the normal of other nodes, if there is one. "Parallax": factor on (10).
 """
 from __future__ import annotations
 
@@ -22,10 +22,10 @@ from .. import compat
 from . import builder, field_profile
 
 NAME = "Rumple Field"
-VERSION = 2  # raise it when the nodes change: groups in older files are then rebuilt in place
+VERSION = 2  # increase it when the nodes change: groups in older files are then rebuilt in place
 VERSION_KEY, PROFILE_KEY = "rumple_field_version", "rumple_field_profile"
 TWO_PI = 2.0 * np.pi
-HORIZON = 0.1  # of equation (10): how softly the parallax ends where one looks along the surface
+HORIZON = 0.1  # of equation (10): how softly the parallax fades at grazing angles
 
 _INPUTS = (("Normal", "NodeSocketVector"), ("Parallax", "NodeSocketFloat"))
 _OUTPUTS = (("Height", "NodeSocketFloat"), ("Normal", "NodeSocketVector"), ("UV", "NodeSocketVector"))
@@ -36,8 +36,8 @@ def is_ours(group: bpy.types.NodeTree | None) -> bool:
 
 
 def ensure(obj: bpy.types.Object) -> bpy.types.NodeTree:
-    """The node group of this file for the profile of an object, which no other object shows; made or upgraded where
-    needed."""
+    """The node group of this file for the profile of an object, used by no other object. It is created or upgraded if
+    necessary."""
     profile = field_profile.key(obj)
     for group in bpy.data.node_groups:
         if (is_ours(group) and group[PROFILE_KEY] == profile and compat.is_editable(group)
@@ -78,7 +78,7 @@ class _Builder(builder.Nodes):
         return node.outputs[0]
 
     def table(self, places: bpy.types.NodeSocket, values: np.ndarray) -> bpy.types.NodeSocket:
-        """Three places in a table over 0..1, linear between its entries."""
+        """Three lookups in a table over 0..1, linear between its entries."""
         node = self.node("ShaderNodeVectorCurve")
         node.mapping.use_clip = False
         for curve in node.mapping.curves[:3]:
@@ -91,14 +91,15 @@ class _Builder(builder.Nodes):
         return node.outputs[0]
 
     def object_normal(self, given: bpy.types.NodeSocket, geometry: bpy.types.Node) -> bpy.types.NodeSocket:
-        """The normal that comes in, else that of the surface; object space, unit."""
+        """The input normal, or the normal of the surface if there is none; object space, unit."""
         none = self.math("LESS_THAN", self.vector("LENGTH", given), 1e-6)
         world = self.vector("ADD", given, self.vector("SCALE", geometry.outputs["Normal"], none))
         return self.vector("NORMALIZE", self.transform(self.towards_viewer(world, geometry), "NORMAL", "OBJECT"))
 
     def towards_viewer(self, normal: bpy.types.NodeSocket, geometry: bpy.types.Node) -> bpy.types.NodeSocket:
-        """The normal of a face that coarse cloth has folded over, seen from outside: what is seen from behind has its
-        normals turned round, and those of the faces around it face the viewer as they were. It was a black slit."""
+        """The normal, corrected for back faces: where coarse cloth folds over, it is seen from outside on its back.
+        There the renderer reverses the normal, while the normals of the faces around it still face the viewer. Without
+        this correction there was a black slit."""
         away = self.math("LESS_THAN", self.vector("DOT_PRODUCT", normal, geometry.outputs["Incoming"]), 0.0)
         turned = self.math("MULTIPLY", away, geometry.outputs["Backfacing"])
         return self.vector("SCALE", normal, self.math("MULTIPLY_ADD", turned, -2.0, 1.0))
@@ -113,7 +114,7 @@ class _Builder(builder.Nodes):
 
     def parallax(self, normal: bpy.types.NodeSocket, height: bpy.types.NodeSocket, geometry: bpy.types.Node,
                  share: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
-        """Equations (10) and (11): the way in the texture."""
+        """Equations (10) and (11): the displacement of texture coordinates."""
         viewer = self.vector("NORMALIZE", self.transform(geometry.outputs["Incoming"], "VECTOR", "OBJECT"))
         facing = self.vector("DOT_PRODUCT", viewer, normal)
         along = self.vector("SUBTRACT", viewer, self.vector("SCALE", normal, facing))
@@ -125,7 +126,7 @@ class _Builder(builder.Nodes):
     def build(self, height_table: np.ndarray, slope_table: np.ndarray) -> None:
         inputs, geometry = self.node("NodeGroupInput").outputs, self.node("ShaderNodeNewGeometry")
         weights = self.attribute(wrinkle_field.WEIGHT)
-        # Where the three phases lie in the table of half a period: profile_place() of shaders/shared.
+        # Positions of the three phases in the table of half a period: profile_place() of shaders/shared.
         turns = self.vector("FRACTION", self.vector("MULTIPLY_ADD", self.attribute(wrinkle_field.PHASE),
                                                     (1.0 / TWO_PI,) * 3, (0.5,) * 3))
         turns = self.vector("SUBTRACT", turns, (0.5,) * 3)
@@ -144,13 +145,14 @@ class _Builder(builder.Nodes):
 
 # ---------------------------------------------------------------- materials
 def shade(material: bpy.types.Material, obj: bpy.types.Object) -> None:
-    """Let a material show the waves: in front of the normal of every shader, and of textures without coordinates."""
+    """Let a material show the waves: connect the group to the normal of every shader, and to textures without
+    coordinates."""
     compat.use_nodes(material)
     if set_profile(material, obj):
         return
     nodes, links = material.node_tree.nodes, material.node_tree.links
     textures = [n for n in nodes if n.type == "TEX_IMAGE" and not n.inputs["Vector"].is_linked]
-    fields: dict[bpy.types.NodeSocket | None, bpy.types.Node] = {}  # one for each normal that other nodes made
+    fields: dict[bpy.types.NodeSocket | None, bpy.types.Node] = {}  # one per normal of other nodes
     for shader in [n for n in nodes if n.type.startswith("BSDF") and "Normal" in n.inputs]:
         target = shader.inputs["Normal"]
         given = target.links[0].from_socket if target.is_linked else None
@@ -165,7 +167,7 @@ def shade(material: bpy.types.Material, obj: bpy.types.Object) -> None:
 
 
 def _add_field(material: bpy.types.Material, group: bpy.types.NodeTree, place: tuple[float, float]) -> bpy.types.Node:
-    """A node of our group, to the left of a place."""
+    """A node with our group, to the left of a place."""
     field = material.node_tree.nodes.new("ShaderNodeGroup")
     field.node_tree, field.name, field.label = group, NAME, NAME
     field.inputs["Parallax"].default_value = 1.0
@@ -174,8 +176,8 @@ def _add_field(material: bpy.types.Material, group: bpy.types.NodeTree, place: t
 
 
 def _remove_cycles(material: bpy.types.Material) -> None:
-    """Textures get their coordinates from a node of our group that has no normal of other nodes: where a normal map is
-    made of such a texture, the links would be a cycle, which Blender 5.2 draws black. Older files have such cycles."""
+    """Let textures get their coordinates from a node of our group without an input normal. If a normal map uses such a
+    texture, the links would otherwise be a cycle, which Blender 5.2 draws black. Older files have such cycles."""
     links, fields = material.node_tree.links, _our_nodes(material)
     in_cycle = [link for field in fields if field.inputs["Normal"].is_linked for link in field.outputs["UV"].links]
     if not in_cycle:
@@ -188,10 +190,11 @@ def _remove_cycles(material: bpy.types.Material) -> None:
 
 
 def set_profile(material: bpy.types.Material, obj: bpy.types.Object) -> bool:
-    """Give a material that shows waves the profile of an object. False where it shows none.
+    """Give a material that shows waves the profile of an object. Returns False if it shows none.
 
-    A group that only materials of this object show is changed in place. A new one in its place crashed Blender: where
-    two undo steps have the same of a material, undo leaves it in memory as it is, and frees groups that no step has.
+    A group that only this object's materials use is changed in place. Replacing it crashed Blender: if two undo steps
+    have the same version of a material, undo does not replace the material in memory, but frees groups that no step
+    has.
     """
     fields = _our_nodes(material)
     profile = field_profile.key(obj)
@@ -208,13 +211,13 @@ def set_profile(material: bpy.types.Material, obj: bpy.types.Object) -> bool:
 
 
 def _is_shown_by(obj: bpy.types.Object, group: bpy.types.NodeTree) -> bool:
-    """Whether nothing but the materials of an object names a group."""
+    """Whether only the materials of an object use a group."""
     fields = [field for material in materials_of(obj) for field in _our_nodes(material)]
     return sum(field.node_tree == group for field in fields) == group.users
 
 
 def unshade(material: bpy.types.Material) -> None:
-    """Take the waves out again and leave the links as they were."""
+    """Remove the waves, and restore the former links."""
     for field in _our_nodes(material):
         given = field.inputs["Normal"]
         source = given.links[0].from_socket if given.is_linked else None
@@ -231,13 +234,13 @@ def _our_nodes(material: bpy.types.Material) -> list[bpy.types.Node]:
 
 
 def materials_of(obj: bpy.types.Object) -> list[bpy.types.Material]:
-    """The materials of an object that can be changed."""
+    """The editable materials of an object."""
     found = {slot.material for slot in obj.material_slots if slot.material is not None}
     return sorted((m for m in found if compat.is_editable(m)), key=lambda m: m.name_full)
 
 
 def shows_waves(material: bpy.types.Material) -> bool:
-    """Whether it has a node of ours: no shader outside of node groups, none."""
+    """Whether it has a node of ours. It has none if all shaders are inside node groups."""
     return bool(_our_nodes(material))
 
 
@@ -247,7 +250,7 @@ def is_shaded(obj: bpy.types.Object) -> bool:
 
 
 def shade_object(obj: bpy.types.Object) -> None:
-    """Let the materials of an object show its waves; one is made where it has none."""
+    """Let the materials of an object show its waves. An object without materials gets a new one."""
     if not any(slot.material for slot in obj.material_slots):
         material = bpy.data.materials.new(obj.name)
         compat.use_nodes(material)
@@ -262,7 +265,7 @@ def shade_object(obj: bpy.types.Object) -> None:
 
 
 def unshade_object(obj: bpy.types.Object, still_waving: list[bpy.types.Object]) -> None:
-    """Take the waves out of an object's materials, but for those that other waving objects show."""
+    """Remove the waves from an object's materials, except those that other objects with waves use."""
     kept = {material for other in still_waving if other != obj for material in materials_of(other)}
     for material in materials_of(obj):
         if material not in kept:
@@ -271,6 +274,6 @@ def unshade_object(obj: bpy.types.Object, still_waving: list[bpy.types.Object]) 
 
 
 def drop_orphans() -> None:
-    """Groups of profiles that no material shows any more."""
+    """Remove groups of profiles that no material uses."""
     for group in [g for g in bpy.data.node_groups if is_ours(g) and g.users == 0 and compat.is_editable(g)]:
         bpy.data.node_groups.remove(group)

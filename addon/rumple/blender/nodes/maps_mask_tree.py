@@ -1,16 +1,16 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The Wrinkle Maps' frame in geometry nodes: evaluated with the mesh itself, where no Python runs.
+"""The Wrinkle Maps' frame in geometry nodes: evaluated with the mesh itself, without Python.
 
-Two hidden meshes come in (maps/hidden_meshes.py): the skeleton, whose points are heads and tails of the bones as they
-stand now, and four of the root bone that its space is read from; and the skin, whose points hold the weights of the
-vertices. With places p in root space, in units of its axes there, the influences I of three poses in a vector are
+Its inputs are two hidden meshes (maps/hidden_meshes.py). The points of the skeleton are the current heads and tails of
+the bones, and four points of the root bone that define its space. The points of the skin have the weights of the
+vertices. p are positions in root space, in units of the root's axes. The influences I of three poses in a vector are
 (Dutreve et al. 2009; native/systems/wrinkle_maps computes the same and tests compare):
 
-    I_i = clamp(slope . (p - neutral))       section 5.1; slope = way / |way|^2, head and tail together
+    I_i = clamp(slope . (p - neutral))       section 5.1; slope = d / |d|^2, d: displacement, head and tail together
     I_i = share_i  sum of I over its group   section 5.2
     mask_v = sum of w_vi I_i                 section 5.2; gain and strengths are in the weights of each pose
 
-Behind a Wrinkle Mesh (Field, Paths) the fine points get the masks of the coarse corners that they are embedded in.
+Behind a Wrinkle Mesh (Field, Paths) a fine point interpolates the masks of the coarse corners that it is embedded in.
 """
 from __future__ import annotations
 
@@ -29,26 +29,26 @@ SKIN, COUNT, BONES, WRINKLES = "Carrier", "Vertices", "Bones", "Wrinkles"
 INPUTS = (("Geometry", "NodeSocketGeometry"), (SKIN, "NodeSocketObject"), (COUNT, "NodeSocketInt"),
           (BONES, "NodeSocketObject"), (WRINKLES, "NodeSocketObject"))
 
-# Attributes of the hidden meshes. {} is a pose, a pack of three poses, a column or a further row of the weight table.
+# Attributes of the hidden meshes. {} is a pose, a pack of three poses, a column or another row of the weight table.
 NEUTRAL, SLOPE, GROUP, SHARE = "rumple_neutral", "rumple_slope_{}", "rumple_group", "rumple_share_{}"
-KEY = "rumple_is_key"  # 1 at a point of a shape key: it is in no space of bones
+KEY = "rumple_is_key"  # 1 at a point of a shape key, which is in no bone space
 BONE, WEIGHTS, MORE = "rumple_bone_{}", "rumple_weights_{}_{}", "rumple_more_{}"
-INFLUENCES, SUM = "rumple_influences_{}", "rumple_sum_{}"  # on the way, within the tree
+INFLUENCES, SUM = "rumple_influences_{}", "rumple_sum_{}"  # temporary, inside the tree
 
-FRAME = 4  # points of the root bone behind the others: its head, and one from there along each of its axes
-DEAD = 1e-4  # of a way, at both ends: nodes count in single precision, and 0 and 1 are to be exact
+FRAME = 4  # points of the root bone after the others: its head, and one on each of its axes
+DEAD = 1e-4  # share of a displacement, at both ends: node maths has single precision, and 0 and 1 must be exact
 
 
 @dataclass(frozen=True)
 class Shape:
-    """What the nodes themselves depend on; all else stands in attributes."""
+    """The values that the nodes depend on. All others are in attributes."""
 
     poses: tuple[str, ...] = ()
-    bones: int = 0  # with shape keys, which stand behind the bones
-    keys: int = 0  # of them
-    rows: int = 1  # most rows of weights that a vertex has
+    bones: int = 0  # with shape keys, which come after the bones
+    keys: int = 0  # number of shape keys
+    rows: int = 1  # largest number of weight rows of a vertex
     grouped: bool = False  # bones share influences
-    fine: bool = False  # other wrinkles stand in front
+    fine: bool = False  # there are other wrinkles in front
 
     @property
     def packs(self) -> range:
@@ -72,7 +72,8 @@ class Builder(GeometryNodes):
 
     # --- footnote 1 of section 5
     def in_root_space(self, skeleton: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
-        """The points of the skeleton, by Cramer's rule: whatever turned, scaled or sheared all of them."""
+        """The points of the skeleton in root space, by Cramer's rule. The result does not depend on any common
+        rotation, scale or shear."""
         position = self.position()
         if self.shape.bones == self.shape.keys:
             return position
@@ -110,7 +111,8 @@ class Builder(GeometryNodes):
     # --- section 5.2
     def masks(self, pack: int, skin: bpy.types.NodeSocket, skeleton: bpy.types.NodeSocket
               ) -> tuple[bpy.types.NodeSocket, bpy.types.NodeSocket]:
-        """The skin with what is needed, and the field on it. In 3.4 every attribute that is stored copies a mesh."""
+        """The skin with the necessary attributes, and the mask field on it. In 3.4 every stored attribute copies a
+        mesh."""
         influences: bpy.types.NodeSocket = self.named(INFLUENCES.format(pack), "FLOAT_VECTOR")
         summed: object = (0.0,) * 3
         for column in range(ROW):
@@ -126,9 +128,9 @@ class Builder(GeometryNodes):
     # --- on the mesh that comes in
     def shown(self, geometry: bpy.types.NodeSocket, skin: bpy.types.NodeSocket, skeleton: bpy.types.NodeSocket,
               inputs: bpy.types.NodeOutputs) -> bpy.types.NodeSocket:
-        """The mesh with its masks; 0 where it has other points than the masks are for.
+        """The mesh with its masks; 0 if its number of points does not fit the masks.
 
-        The incoming mesh goes to one node only: for a second one Blender would copy it.
+        The incoming mesh is connected to only one node, because Blender would copy it for a second one.
         """
         count = self.total("FLOAT", 1.0)
         if self.shape.fine:
@@ -153,14 +155,14 @@ class Builder(GeometryNodes):
         return geometry
 
     def between(self, corners: list[bpy.types.NodeSocket], place: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
-        """Linear in a triangle. place: (u, v, 0)."""
+        """Linear interpolation in a triangle. place: (u, v, 0)."""
         u, v, _ = self.components(place)
         along = [self.vector("SUBTRACT", corner, corners[0]) for corner in corners[1:]]
         return self.vector("ADD", self.vector("MULTIPLY_ADD", along[0], u, corners[0]),
                            self.vector("SCALE", along[1], v))
 
     def equal(self, a: bpy.types.NodeSocket, b: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
-        """1 or 0, of whole numbers."""
+        """1 if two integers are equal, otherwise 0."""
         return self.math("COMPARE", a, b, 0.5)
 
     def total(self, data_type: str, value: object, group: bpy.types.NodeSocket | None = None) -> bpy.types.NodeSocket:

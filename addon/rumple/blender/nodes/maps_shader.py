@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The shader node group "Rumple Maps": wrinkle maps over a material's normal map, pixel by pixel.
+"""The shader node group "Rumple Maps": blends wrinkle maps with a material's normal map, pixel by pixel.
 
 It works on colours, as normal maps are stored, between the image of the neutral details and the Normal Map node, so
-that all is blended in one tangent space (section 5.3 of Dutreve et al.; the formulas are those of
-shaders/shared/wrinkle_maps.glsl). The masks come as point attributes, three poses in a vector:
+that everything is blended in one tangent space (section 5.3 of Dutreve et al.; the formulas are those of
+shaders/shared/wrinkle_maps.glsl). The masks are point attributes, three poses in a vector:
     rumple_poses_0 .. rumple_poses_5    FLOAT_VECTOR    masks of poses 1 to 3, 4 to 6, ...
 """
 from __future__ import annotations
@@ -18,20 +18,20 @@ from .. import compat
 from . import builder
 
 NAME = "Rumple Maps"
-KEY = "rumple_maps"  # custom property of our node groups, and of the Normal Map nodes that insert() had to make
+KEY = "rumple_maps"  # custom property of our node groups, and of the Normal Map nodes made by insert()
 MASKS = "rumple_poses_{}"
 INPUT, OUTPUT = "Normal Map", "Color"
 FLAT = (0.5, 0.5, 1.0, 1.0)
 
 
 def is_ours(group: bpy.types.NodeTree | None) -> bool:
-    """True for a "Rumple Maps" group, whatever its name."""
+    """Whether it is a "Rumple Maps" group, independent of its name."""
     return group is not None and KEY in group
 
 
 # ---------------------------------------------------------------- the group
 def new_group(name: str) -> bpy.types.NodeTree:
-    """An empty group that hands the neutral map on. fill() gives it its nodes."""
+    """A group that outputs the neutral map unchanged. fill() adds its nodes."""
     group = bpy.data.node_groups.new(f"{NAME} {name}", "ShaderNodeTree")
     group[KEY] = True
     compat.new_group_socket(group, INPUT, "INPUT", "NodeSocketColor")
@@ -41,10 +41,10 @@ def new_group(name: str) -> bpy.types.NodeTree:
 
 
 def fill(group: bpy.types.NodeTree, images: Sequence[bpy.types.Image | None], maps: str, uv_map: str) -> None:
-    """Make the nodes anew, sockets and links outside stay.
+    """Rebuild the nodes. Sockets and links outside stay.
 
-    images: the map of every pose; a pose without one does not count. maps: WHOLE or WRINKLES. uv_map: its name, empty:
-    the active one.
+    images: the map of every pose; a pose without one is ignored. maps: WHOLE or WRINKLES. uv_map: its name; empty: the
+    active one.
     """
     group.nodes.clear()
     _Builder(group).build(images, maps, uv_map)
@@ -60,7 +60,7 @@ class _Builder(builder.Nodes):
         return self.vector("MULTIPLY_ADD", color, (2.0,) * 3, (-1.0,) * 3)
 
     def masks(self, poses: Sequence[int]) -> dict[int, bpy.types.NodeSocket]:
-        """The mask of every pose, an Attribute node for three."""
+        """The mask of every pose, with one Attribute node for three poses."""
         packs = {}
         for pack in sorted({pose // PACKED for pose in poses}):
             attribute = self.node("ShaderNodeAttribute", attribute_name=MASKS.format(pack))
@@ -88,12 +88,12 @@ class _Builder(builder.Nodes):
 
     def blend_whole(self, summed: object, rest: bpy.types.NodeSocket, neutral: bpy.types.NodeSocket
                     ) -> bpy.types.NodeSocket:
-        """The same as blend_whole() of wrinkle_maps.glsl."""
+        """As blend_whole() of wrinkle_maps.glsl."""
         return self.vector("NORMALIZE", self.vector("MULTIPLY_ADD", neutral, rest, summed))
 
     def blend_wrinkles(self, summed: object, rest: bpy.types.NodeSocket, neutral: bpy.types.NodeSocket
                        ) -> bpy.types.NodeSocket:
-        """The same as blend_wrinkles() of wrinkle_maps.glsl."""
+        """As blend_wrinkles() of wrinkle_maps.glsl."""
         wrinkles = self.vector("NORMALIZE", self.vector("ADD", summed, self.combined(0.0, 0.0, rest)))
         w, n = self.components(wrinkles), self.components(neutral)
         return self.vector("NORMALIZE", self.combined(self.math("ADD", w[0], n[0]), self.math("ADD", w[1], n[1]),
@@ -102,9 +102,9 @@ class _Builder(builder.Nodes):
 
 # ---------------------------------------------------------------- in a material
 def insert(material: bpy.types.Material, group: bpy.types.NodeTree) -> None:
-    """Put the group in front of every Normal Map node that the material's shaders use; make one where there is none.
+    """Insert the group in front of every Normal Map node that the material's shaders use. If there is none, make one.
 
-    Raises UserError, and changes nothing, where the normal comes from what is not a tangent-space Normal Map.
+    Raises UserError and changes nothing if a normal comes from a node that is not a tangent-space Normal Map.
     """
     if not compat.is_editable(material):
         raise UserError(f"material {material.name} is linked from another file: make it local first")
@@ -128,7 +128,7 @@ def insert(material: bpy.types.Material, group: bpy.types.NodeTree) -> None:
 
 
 def remove(material: bpy.types.Material) -> bool:
-    """Take out what insert() put in: the links are as before. True when there was something."""
+    """Remove the nodes of insert(), and restore the former links. Returns whether there were any."""
     tree = material.node_tree
     ours = [node for node in tree.nodes if _is_our_node(node)] if tree is not None else []
     for node in ours:
@@ -144,13 +144,13 @@ def remove(material: bpy.types.Material) -> bool:
 
 
 def shown_in(material: bpy.types.Material) -> bpy.types.NodeTree | None:
-    """The "Rumple Maps" group that a material has; None when it has none."""
+    """The material's "Rumple Maps" group; None if it has none."""
     nodes = material.node_tree.nodes if material.node_tree is not None else ()
     return next((node.node_tree for node in nodes if _is_our_node(node)), None)
 
 
 def neutral_image(material: bpy.types.Material) -> bpy.types.Image | None:
-    """The image of the neutral details behind the group that a material has; None where it is no image."""
+    """The image of the neutral details, connected to the material's group; None if there is no image."""
     nodes = material.node_tree.nodes if material.node_tree is not None else ()
     for node in (node for node in nodes if _is_our_node(node)):
         _, source = _source_of(node.inputs[INPUT])
@@ -175,12 +175,12 @@ def _insert_before(normal_map: bpy.types.Node, group: bpy.types.NodeTree) -> Non
 
 
 def _normal_maps(material: bpy.types.Material) -> tuple[list[bpy.types.Node], list[bpy.types.NodeSocket]]:
-    """The Normal Map nodes behind the shaders' normals, and the normal inputs that have nothing behind them."""
+    """The Normal Map nodes connected to the shaders' normals, and the normal inputs with no connection."""
     maps: list[bpy.types.Node] = []
     bare: list[bpy.types.NodeSocket] = []
     for shader in _shaders(material):
         target, source = _source_of(shader.inputs["Normal"])
-        while source is not None and source.type == "BUMP":  # bumps lie on what comes in
+        while source is not None and source.type == "BUMP":  # a Bump node adds to its input
             target, source = _source_of(source.inputs["Normal"])
         if source is None:
             if target not in bare:
@@ -196,7 +196,7 @@ def _normal_maps(material: bpy.types.Material) -> tuple[list[bpy.types.Node], li
 
 
 def _shaders(material: bpy.types.Material) -> Iterator[bpy.types.Node]:
-    """The nodes with a normal that the material's surface is made of."""
+    """The shader nodes with a normal that the material's surface uses."""
     output = material.node_tree.get_output_node("ALL")
     waiting = [output.inputs["Surface"]] if output is not None else []
     seen: set[bpy.types.Node] = set()
@@ -211,7 +211,7 @@ def _shaders(material: bpy.types.Material) -> Iterator[bpy.types.Node]:
 
 
 def _source_of(target: bpy.types.NodeSocket) -> tuple[bpy.types.NodeSocket, bpy.types.Node | None]:
-    """The input at the near end of any reroutes, and the node behind it."""
+    """The input before any reroutes, and the node connected to it."""
     while target.is_linked:
         node = target.links[0].from_node
         if node.type != "REROUTE":

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Inputs of modifiers by the names that their node groups give them."""
+"""Access to modifier inputs by their names in the node group."""
 from __future__ import annotations
 
 from typing import Any
@@ -10,13 +10,13 @@ from .. import compat
 
 
 def get_input(nodes_mod: bpy.types.NodesModifier, name: str) -> Any:
-    """Its value; None where it was never set, and where an older group has no such input."""
+    """The value of an input; None if it was never set, or if an older group does not have it."""
     identifier = compat.group_sockets(nodes_mod.node_group, "INPUT").get(name)
     return compat.modifier_input(nodes_mod, identifier) if identifier else None
 
 
 def values(nodes_mod: bpy.types.NodesModifier) -> list[Any]:
-    """Of all its inputs."""
+    """The values of all inputs."""
     if nodes_mod.node_group is None:
         return []
     return [compat.modifier_input(nodes_mod, identifier)
@@ -24,5 +24,5 @@ def values(nodes_mod: bpy.types.NodesModifier) -> list[Any]:
 
 
 def set_input(nodes_mod: bpy.types.NodesModifier, name: str, value: object) -> None:
-    """The caller tags the object."""
+    """Set an input. The caller must tag the object."""
     compat.set_modifier_input(nodes_mod, compat.group_sockets(nodes_mod.node_group, "INPUT")[name], value)

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Flags that the handlers set and the node tree reads: coordinates of the hidden output objects.
+"""Flags that the handlers set and the node tree reads: coordinates of the locations of hidden output objects.
 
-The place of such an object means nothing else, moving it copies no mesh, and Blender does not take it for an edit. A
-flag is one axis of one of the two objects. In files that are older than a flag its axis is 0: it is not set.
+The location of such an object has no other use. Moving it copies no mesh, and does not count as an edit in Blender. A
+flag is one axis of one of the two objects. In files older than a flag, its axis is 0: it is not set.
 """
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ import bpy
 from .. import compat
 
 _SET = 1.0
-THRESHOLD = 0.5  # above it a flag is set, here and in the tree
+THRESHOLD = 0.5  # a larger coordinate means that the flag is set, also in the tree
 
 
 class Flag(Enum):
-    """(which output object, axis of its place)."""
+    """(which output object, axis of its location)."""
 
-    COARSE_ONLY = "OUTPUT", 0  # the first pass of a frame hands on the coarse mesh: frame/first_pass.py
-    LIVE_FOLDS = "OUTPUT", 2  # in place of a clip that is damaged: objects/modifier.py
+    COARSE_ONLY = "OUTPUT", 0  # the first pass of a frame shows the coarse mesh: frame/first_pass.py
+    LIVE_FOLDS = "OUTPUT", 2  # instead of a damaged clip: objects/modifier.py
     RENDER_MESH = "VIEWPORT_OUTPUT", 0  # viewports show the mesh of renders: objects/viewport_mesh.py
 
     @property
@@ -29,12 +29,13 @@ class Flag(Enum):
 
 
 def is_set(obj: bpy.types.Object, flag: Flag) -> bool:
-    """obj: the output object that has the flag."""
+    """obj: the output object with the flag."""
     return obj.location[flag.axis] > THRESHOLD
 
 
 def set_flag(obj: bpy.types.Object, flag: Flag, value: bool) -> bool:
-    """False where nobody may write: it is linked, or the thread that ends a render job of a window sets the frame."""
+    """Returns False if the flag must not be written: the object is linked, or the thread that ends a window's render
+    job sets the frame."""
     if not compat.is_editable(obj):
         return False
     try:
@@ -45,5 +46,5 @@ def set_flag(obj: bpy.types.Object, flag: Flag, value: bool) -> bool:
 
 
 def change_flag(obj: bpy.types.Object, flag: Flag, value: bool) -> bool:
-    """The same where it is another one now; a write costs an evaluation. Whether it was changed."""
+    """Set the flag only if it differs, because a write costs an evaluation. Returns whether it was changed."""
     return is_set(obj, flag) != value and set_flag(obj, flag, value)

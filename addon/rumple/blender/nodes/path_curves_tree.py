@@ -1,14 +1,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The node group "Rumple Path Curves", built by code: makes curves of the rows in core/curve_rows.py.
+"""The node group "Rumple Path Curves", built by code: makes curves from the rows in core/curve_rows.py.
 
-The rows are the points of the mesh that comes in: handlers write them, or a Mesh Cache in front plays them. Points ride
-on the garment as it enters its wrinkles, in the garment's object space. On the result:
+The rows are the points of the incoming mesh. Handlers write them, or a Mesh Cache in front plays them. The points of
+the curves follow the garment as it enters its wrinkles, in the garment's object space. Attributes of the result:
 
-  rumple_path_id       INT    for each curve, in order of birth, never used twice
+  rumple_path_id       INT    for each curve, in order of creation, never reused
   rumple_path_height   FLOAT  for each point, object units, signed
   rumple_path_width    FLOAT  for each point, object units
 
-With a radius they become tubes.
+With a radius the curves become tubes.
 """
 from __future__ import annotations
 
@@ -19,23 +19,23 @@ from .. import compat
 from . import wrinkle_tree
 from .builder import GeometryNodes, Socket, empty_modifier_group
 
-VERSION = 1  # raise it when the nodes change: trees in older files are then rebuilt in place
+VERSION = 1  # increase it when the nodes change: trees in older files are then rebuilt in place
 VERSION_KEY = "rumple_path_curves_version"
 
 GARMENT, RADIUS = "Garment", "Radius"
 PATH_ID, PATH_HEIGHT, PATH_WIDTH = "rumple_path_id", "rumple_path_height", "rumple_path_width"
-# Of the points, until the curves have them.
+# On the points, until they are copied to the curves.
 _POINT_ID, _POINT_INDEX = "rumple_point_path", "rumple_point_index"
 _INPUTS = (("Geometry", "NodeSocketGeometry"), (GARMENT, "NodeSocketObject"), (RADIUS, "NodeSocketFloat"))
 
 
 def is_ours(group: bpy.types.NodeTree | None) -> bool:
-    """True for this node group, whatever its name and version."""
+    """Whether it is this node group, independent of its name and version."""
     return group is not None and VERSION_KEY in group
 
 
 def ensure() -> bpy.types.NodeTree:
-    """The node group of this file, made or upgraded where needed."""
+    """The node group of this file. It is created or upgraded if necessary."""
     group = next((g for g in bpy.data.node_groups if is_ours(g) and compat.is_editable(g)), None)
     if group is None:
         group = bpy.data.node_groups.new("Rumple Path Curves", "GeometryNodeTree")
@@ -61,15 +61,16 @@ class _Curves(GeometryNodes):
         return self.sample(geometry, self.math("MULTIPLY_ADD", capacity, float(number), index))
 
     def is_number(self, garment: Socket, index: Socket) -> Socket:
-        """Whether a coarse point still is where it was on the result of the wrinkles."""
+        """Whether a coarse point still has its index on the result of the wrinkles."""
         compare = self.node("FunctionNodeCompare", data_type="INT", operation="EQUAL")
         self.link(self.at(garment, self.named(wrinkle_tree.BASE_INDEX, "INT"), index, "INT"), compare, "A")
         self.link(index, compare, "B")
         return compare.outputs[0]
 
     def is_joined(self, geometry: Socket, garment: Socket) -> Socket:
-        """For the edge from point i to point i + 1, which is edge i. Where the garment does not show its wrinkles no
-        coarse point says its number, so there are no curves; two are asked, for zero is also what nothing says."""
+        """Whether the edge from point i to point i + 1, which is edge i, belongs to a curve. If the garment does not
+        show its wrinkles, its points have no index attribute, so there are no curves. Two points are tested, because a
+        missing attribute reads as 0, which is the right index of point 0."""
         edge = self.index()
         first, second, _ = self.components(self.row(geometry, 0, edge))
         there = self.both(self.is_number(garment, first), self.is_number(garment, second))
@@ -88,7 +89,7 @@ class _Curves(GeometryNodes):
     def build(self) -> None:
         inputs = self.node("NodeGroupInput").outputs
         geometry, garment = inputs["Geometry"], self.mesh_of(inputs[GARMENT])
-        to_curve = self.node("GeometryNodeMeshToCurve")  # first: what follows is asked of points that are shown
+        to_curve = self.node("GeometryNodeMeshToCurve")  # first, so that the following nodes only run on visible points
         self.link(self.store(geometry, _POINT_INDEX, "INT", self.index()), to_curve, "Mesh")
         self.link(self.is_joined(geometry, garment), to_curve, "Selection")
         index = self.named(_POINT_INDEX, "INT")

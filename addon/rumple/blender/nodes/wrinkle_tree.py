@@ -1,32 +1,33 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The node groups "Rumple Wrinkle Mesh", "Rumple Wrinkle Field" and so on, built by code: one for each system.
 
-It shows the mesh of a hidden output object in place of the coarse mesh that comes in:
+A group shows the mesh of a hidden output object instead of the incoming coarse mesh:
 
     position = p0 + u (p1 - p0) + v (p2 - p0) + t o.x + b o.y + n o.z
     t = normalize(p1 - p0),  n = normalize((p1 - p0) x (p2 - p0)),  b = n x t
 
-where p0 p1 p2 are incoming points. The offset is orthonormal, not affine, because that stays near
-the cloth where no add-on writes new offsets. A collapsed triangle has
-t = n = b = 0: Blender's Normalize gives zero for zero, so nothing becomes NaN.
+p0 p1 p2 are incoming points. The offset is in an orthonormal frame, not an affine one, because it then stays near the
+cloth if no add-on writes new offsets. A collapsed triangle has t = n = b = 0: Blender's Normalize gives zero for zero,
+so there is no NaN.
 
-Baked, positions and attributes come from the points of another hidden object, the cache object, which a Mesh
-Cache moves (clip_file.py says what they mean): only positions can be cached so that no add-on is needed.
+If the object is baked, positions and attributes come from the points of another hidden object, the cache object, which
+a Mesh Cache moves. clip_file.py describes them. Everything is stored as positions, because only positions can be played
+without an add-on.
 
 Attributes, all starting with "rumple_":
   on the output object only, removed from the result
     rumple_corner_0, _1, _2   INT     incoming points the vertex is embedded in
     rumple_barycentric        VECTOR  (u, v, 0)
     rumple_local_offset       VECTOR  (o.x, o.y, o.z), rewritten for every frame
-    rumple_stands_in          INT     on the first point: 1 where viewports show the coarse mesh, moved by
-    rumple_stand_in           VECTOR  the way of point i; see preview.py
+    rumple_stands_in          INT     on the first point: 1 if viewports show the coarse mesh, moved by
+    rumple_stand_in           VECTOR  the displacement of point i; see preview.py
   on the result, for Rumple itself
     rumple_base_position      VECTOR  incoming position of point i, on the first N points
-    rumple_base_index         INT     i: tells where later modifiers moved the points to
+    rumple_base_index         INT     i: shows how later modifiers have reordered the points
   on the result, for shaders and nodes
     rumple_stretch_min, rumple_stretch_max   FLOAT   principal stretches of the coarse mesh, 1 = rest
     rumple_stretch_direction                 VECTOR  strongest compression, object space
-    rumple_offset                            VECTOR  way from the coarse surface, object space
+    rumple_offset                            VECTOR  displacement from the coarse surface, object space
     and the system's own, see ATTRIBUTES of its class in ../core
   on the coarse mesh
     rumple_rest_position      VECTOR  rest shape captured from a frame
@@ -43,7 +44,7 @@ from .. import compat
 from .builder import GeometryNodes, empty_modifier_group
 from .output_flags import THRESHOLD, Flag
 
-VERSION = 9  # raise it when the nodes change: trees in older files are then rebuilt in place
+VERSION = 9  # increase it when the nodes change: trees in older files are then rebuilt in place
 VERSION_KEY = "rumple_wrinkle_mesh_version"
 METHOD_KEY = "rumple_method"
 
@@ -59,25 +60,25 @@ PROXY_OFFSET = "rumple_stand_in"
 OUTPUT_ONLY = (*CORNERS, BARYCENTRIC, LOCAL_OFFSET, SHOWS_PROXY, PROXY_OFFSET)
 
 OUTPUT, COUNT, BAKED, CACHE = "Carrier", "Coarse Vertices", "Baked", "Player"
-VIEWPORT_OUTPUT = "Viewport Carrier"  # what viewports show in place of OUTPUT
-BODY, BODIES = "Body", "Bodies"  # no node reads them: what an input names is evaluated first, also where it is hidden
+VIEWPORT_OUTPUT = "Viewport Carrier"  # viewports show it instead of OUTPUT
+BODY, BODIES = "Body", "Bodies"  # no node reads them, but Blender evaluates their objects first, even if hidden
 _INPUTS = (("Geometry", "NodeSocketGeometry"), (OUTPUT, "NodeSocketObject"), (COUNT, "NodeSocketInt"),
            (BAKED, "NodeSocketBool"), (CACHE, "NodeSocketObject"), (BODY, "NodeSocketObject"),
            (BODIES, "NodeSocketCollection"), (VIEWPORT_OUTPUT, "NodeSocketObject"))
 
 
 def is_ours(group: bpy.types.NodeTree | None) -> bool:
-    """True for these node groups, whatever their name and version."""
+    """Whether it is one of these node groups, independent of its name and version."""
     return group is not None and VERSION_KEY in group
 
 
 def system(group: bpy.types.NodeTree) -> System:
-    """The system that one of our node groups shows."""
-    return SYSTEMS[group.get(METHOD_KEY, "MESH")]  # files from before there was another system have no key
+    """The system of one of our node groups."""
+    return SYSTEMS[group.get(METHOD_KEY, "MESH")]  # files from before the second system have no key
 
 
 def ensure(method: str) -> bpy.types.NodeTree:
-    """The node group of this file for a method, made or upgraded where needed."""
+    """The node group of this file for a method. It is created or upgraded if necessary."""
     for group in bpy.data.node_groups:
         if is_ours(group) and compat.is_editable(group) and system(group).method == method:
             upgrade(group)
@@ -106,7 +107,7 @@ class _Builder(GeometryNodes):
         self.attributes = attributes
 
     def is_set(self, place: list[bpy.types.NodeSocket], flag: Flag) -> bpy.types.NodeSocket:
-        """place: of the output object that has the flag."""
+        """place: location of the output object with the flag."""
         return self.above(place[flag.axis], THRESHOLD)
 
     def is_unset(self, place: list[bpy.types.NodeSocket], flag: Flag) -> bpy.types.NodeSocket:
@@ -117,14 +118,14 @@ class _Builder(GeometryNodes):
                              self.named(BARYCENTRIC, "FLOAT_VECTOR"), self.named(LOCAL_OFFSET, "FLOAT_VECTOR"))
 
     def played(self, fine: bpy.types.NodeSocket, clip: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
-        """The shown mesh as the points of a clip have it: see clip_file.points_of()."""
+        """The shown mesh with the positions and attributes of a clip's points: see clip_file.points_of()."""
         index = self.index()
         fine = self.moved(fine, self.sample(clip, index))
         begin, counts = self.element_count(fine, "POINT"), {}
         for block in clip_file.blocks(self.attributes):
-            # As floats: exact up to 2^24 points, four times the vertices that the engine allows.
+            # As floats: exact up to 2^24 points, four times the engine's limit.
             values = self.sample(clip, self.math("ADD", begin, index))
-            if block.attributes[0].unit:  # between two samples the cache gives the mean of two unit vectors
+            if block.attributes[0].unit:  # between two samples the cache averages two unit vectors
                 values = self.vector("NORMALIZE", values)
             parts = [values] if block.attributes[0].vector else self.components(values)
             for attribute, value in zip(block.attributes, parts):
@@ -145,7 +146,8 @@ class _Builder(GeometryNodes):
 
     def shown_here(self, fine: bpy.types.NodeSocket, baked: bpy.types.NodeSocket,
                    in_viewport: bpy.types.NodeOutputs) -> bpy.types.NodeSocket:
-        """The mesh of viewports where this is one, there is such a mesh, its flag is not set and no clip is played."""
+        """The mesh of viewports if this is a viewport, the mesh exists, its flag is not set and no clip is played;
+        otherwise the fine mesh."""
         mesh, place = in_viewport["Geometry"], self.components(in_viewport["Location"])
         here = self.node("GeometryNodeIsViewport").outputs[0]
         for wanted in (self.above(self.element_count(mesh, "POINT"), 0.5), self.is_unset(place, Flag.RENDER_MESH),
@@ -154,7 +156,7 @@ class _Builder(GeometryNodes):
         return self.switch(here, fine, mesh)
 
     def proxy(self, geometry: bpy.types.NodeSocket, carried: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
-        """The coarse mesh, moved by what the output object holds for its points."""
+        """The coarse mesh, moved by the displacements on the output object."""
         index = self.index()
         way = self.at(carried, self.named(PROXY_OFFSET, "FLOAT_VECTOR"), index)
         return self.moved(self.store(geometry, BASE_INDEX, "INT", index), self.added(self.position(), way))
@@ -165,7 +167,7 @@ class _Builder(GeometryNodes):
                          self.at(carried, self.named(SHOWS_PROXY, "INT"), 0, "INT"))
 
     def coarse(self, geometry: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
-        """What the first pass of a frame hands on: see frame/first_pass.py."""
+        """The coarse mesh with the attributes that the first pass of a frame needs: see frame/first_pass.py."""
         index = self.index()
         numbered = self.store(geometry, BASE_INDEX, "INT", index)
         return self.store(numbered, BASE_POSITION, "FLOAT_VECTOR", self.position())
@@ -181,11 +183,12 @@ class _Builder(GeometryNodes):
         geometry, output = inputs["Geometry"], self.object_info(inputs[OUTPUT])
         carried = self.shown_here(output["Geometry"], inputs[BAKED], self.object_info(inputs[VIEWPORT_OUTPUT]))
         clip = self.mesh_of(inputs[CACHE])
-        # A clip of another mesh (or none) is not shown: the mesh rides on the pose with its last offsets.
+        # A clip with another number of points (or no clip) is not shown: the mesh follows the pose with its last
+        # offsets.
         place = self.components(output["Location"])
         baked = self.both(inputs[BAKED], self.counts_match(clip, self.clip_points(carried)))
         baked = self.both(baked, self.is_unset(place, Flag.LIVE_FOLDS))
-        # Switches evaluate only the branch they take: a baked clip costs no embedding.
+        # Switches evaluate only the branch they take, so a baked clip needs no embedding.
         live = self.switch(self.uses_proxy(carried), self.moved(carried, self.embedded_position(geometry)),
                            self.proxy(geometry, carried))
         fine = self.switch(baked, live, self.played(carried, clip))
