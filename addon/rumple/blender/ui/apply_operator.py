@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The button that makes the mesh what is seen now: bpy.ops.object.rumple_apply()."""
+"""The button that replaces the mesh with the currently visible one: bpy.ops.object.rumple_apply()."""
 from __future__ import annotations
 
 from contextlib import contextmanager
@@ -22,7 +22,7 @@ class OBJECT_OT_rumple_apply(ui_base.OnWrinkled, bpy.types.Operator):
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         obj = context.object
-        scheduler.sync_all()  # a thread may still make its folds
+        scheduler.sync_all()  # a thread may still build its folds
         with _as_geometry(context, obj) as refused:
             mesh = None if refused else _wrinkled_mesh(context, obj)
             if mesh is None:
@@ -34,8 +34,8 @@ class OBJECT_OT_rumple_apply(ui_base.OnWrinkled, bpy.types.Operator):
 
 @contextmanager
 def _as_geometry(context: bpy.types.Context, obj: bpy.types.Object) -> Iterator[str]:
-    """Waves that the materials draw are no part of the mesh: let them be the shape of a fine one meanwhile, baked ones
-    too. Gives what is wrong with that, or nothing."""
+    """Inside this context, waves that the materials draw are geometry of a fine mesh, because shading is not part of
+    the mesh. This includes baked waves. Yields an error message or an empty text."""
     settings, nodes_mod = obj.rumple.field, modifier.find(obj)
     if obj.rumple.method != "FIELD" or settings.output != "SHADING":
         yield ""
@@ -56,7 +56,7 @@ def _as_geometry(context: bpy.types.Context, obj: bpy.types.Object) -> Iterator[
 
 
 def _wrinkled_mesh(context: bpy.types.Context, obj: bpy.types.Object) -> bpy.types.Mesh | None:
-    """A new one, that of renders; None where the wrinkles do not show."""
+    """A new mesh, the one of renders; None if the wrinkles are not visible."""
     with viewport_mesh.paused():
         obj.update_tag()
         context.view_layer.update()
@@ -68,7 +68,7 @@ def _wrinkled_mesh(context: bpy.types.Context, obj: bpy.types.Object) -> bpy.typ
 
 
 def _evaluated_mesh(context: bpy.types.Context, obj: bpy.types.Object) -> bpy.types.Mesh:
-    """A new mesh: the object of this frame, as the wrinkles hand it to later modifiers."""
+    """A new mesh: the object in this frame, as later modifiers get it from the wrinkles."""
     nodes_mod = modifier.find(obj)
     later = list(obj.modifiers)[list(obj.modifiers).index(nodes_mod) + 1:]
     shown = [m for m in later if m.show_viewport]
@@ -84,7 +84,7 @@ def _evaluated_mesh(context: bpy.types.Context, obj: bpy.types.Object) -> bpy.ty
 
 
 def _put_in_place(obj: bpy.types.Object, mesh: bpy.types.Mesh) -> None:
-    """Of the object's mesh and of all that made it look so."""
+    """Replace the object's mesh, and remove the modifiers and shape keys that are now part of it."""
     before = list(obj.modifiers)[:list(obj.modifiers).index(modifier.find(obj))]
     for name in [m.name for m in before]:
         obj.modifiers.remove(obj.modifiers[name])

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The panels "Cloth" and "Body": what the wrinkles of a garment lie on. panels.py registers them among the others."""
+"""The panels "Cloth" and "Body": settings of the cloth that carries the wrinkles. panels.py registers them."""
 from __future__ import annotations
 
 import bpy
@@ -38,7 +38,7 @@ class DATA_PT_rumple_cloth(Panel, bpy.types.Panel):
 
 
 def _draw_layers(column: bpy.types.UILayout, obj: bpy.types.Object) -> None:
-    """Of the Wrinkle Mesh. How much of each there is stands above: panels.py."""
+    """Draw the layers of the Wrinkle Mesh. Their amounts are above: panels.py."""
     settings = obj.rumple.mesh
     column.prop(settings, "layers")
     if settings.layers == "CLOTH" and (settings.source != "SUBDIVISION" or settings.rest_shape == "ADAPTIVE"):
@@ -67,16 +67,16 @@ class DATA_PT_rumple_body(Panel, bpy.types.Panel):
 
 
 def painted(column: bpy.types.UILayout, obj: bpy.types.Object, name: str) -> None:
-    """A setting and the button that paints where it acts."""
+    """Draw a setting, and the button that paints where it acts."""
     paint_button(draw_setting(column, properties.group_of(obj), name), obj, name)
 
 
 def paint_only(column: bpy.types.UILayout, obj: bpy.types.Object, name: str, label: str) -> None:
-    """A row for what has no value but the painted one, label and button where other rows have theirs."""
+    """Draw a row for a map without a setting, with label and button in the same columns as other rows."""
     paint_button(labelled_row(column, label), obj, name)
 
 
 def paint_button(row: bpy.types.UILayout, obj: bpy.types.Object, name: str) -> None:
-    """Paints a vertex group of the Wrinkle Mesh or of the base cloth."""
+    """A button that paints a vertex group of the Wrinkle Mesh or of the base cloth."""
     exists = mesh_reader.MESH_GROUPS[name] in obj.vertex_groups
     row.operator("object.rumple_paint", text="", icon="WPAINT_HLT" if exists else "BRUSH_DATA").group = name

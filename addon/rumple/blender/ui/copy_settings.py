@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The same wrinkles on several garments."""
+"""Copies wrinkle settings to several garments."""
 from __future__ import annotations
 
 import bpy
@@ -8,7 +8,7 @@ from .. import compat, ui_base
 from ..objects import modifier, properties
 from ..translation import said
 
-OWN = frozenset(("up", "rest_shape", "source"))  # what belongs to a mesh, not to its cloth
+OWN = frozenset(("up", "rest_shape", "source"))  # settings of a mesh, not of its cloth
 
 
 class OBJECT_OT_rumple_copy_settings(ui_base.OnWrinkled, bpy.types.Operator):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Scenes to open and play. Packages have them; in a checkout scripts/examples makes them."""
+"""Example scenes to open and play. Packages include them; in a checkout, scripts/examples makes them."""
 from __future__ import annotations
 
 import os
@@ -12,11 +12,11 @@ from mathutils import Vector
 from ..translation import said
 
 FOLDER = Path(os.path.abspath(__file__)).parents[2] / "examples"
-VIEW_DISTANCE = 0.85  # from its middle, in diagonals of the scene: all of it is seen, with a margin
+VIEW_DISTANCE = 0.85  # from its centre / the scene's diagonal: everything is visible, with a margin
 
 
 def files() -> dict[str, Path]:
-    """By the name that is shown."""
+    """The example files by their displayed names."""
     return {path.stem.replace("_", " "): path for path in sorted(FOLDER.glob("*.blend"))}
 
 
@@ -29,7 +29,7 @@ class WM_OT_rumple_open_example(bpy.types.Operator):
     name: bpy.props.StringProperty(name="Example", options={"SKIP_SAVE"})
 
     def execute(self, _context: bpy.types.Context) -> set[str]:
-        path = files().get(self.name or next(iter(files()), ""))  # by a search no name comes
+        path = files().get(self.name or next(iter(files()), ""))  # a search gives no name
         if path is None:
             known = ", ".join(files()) or "none here"
             self.report({"ERROR"}, said(f"There is no example named \"{self.name}\": {known}"))
@@ -46,7 +46,8 @@ class WM_OT_rumple_open_example(bpy.types.Operator):
 
 
 def look_at_it() -> None:
-    """Turn the 3D viewports, which are those of the former file, to the meshes of the scene, from the camera's side."""
+    """Point the 3D viewports, which still show the former file's view, at the scene's meshes, from the camera's
+    side."""
     scene = bpy.context.scene
     corners = np.array([obj.matrix_world @ Vector(corner) for obj in scene.objects if obj.type == "MESH"
                         for corner in obj.bound_box])
@@ -68,20 +69,20 @@ class OBJECT_MT_rumple_examples(bpy.types.Menu):
     bl_label = "Open Example"
 
     def draw(self, _context: bpy.types.Context) -> None:
-        # A file cannot be read from a menu's own execution: the operator is invoked.
+        # The operator must be invoked, because a file cannot be read while a menu executes it.
         self.layout.operator_context = "INVOKE_DEFAULT"
         for name in files():
             self.layout.operator("wm.rumple_open_example", text=name).name = name
 
 
 def draw_button(row: bpy.types.UILayout) -> None:
-    """The same menu, of a header: its tooltip says what it is."""
+    """The same menu for a header. Its tooltip describes it."""
     if files():
         row.menu("OBJECT_MT_rumple_examples", text="", icon="FILE_BLEND")
 
 
 def draw_menu(layout: bpy.types.UILayout) -> None:
-    """Where there are any."""
+    """Draw the menu if there are examples."""
     if files():
         layout.separator()
         layout.menu("OBJECT_MT_rumple_examples", icon="FILE_BLEND")

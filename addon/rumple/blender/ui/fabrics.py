@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Sets a fabric. Its pictures: thumbnails.py."""
+"""Sets a fabric. thumbnails.py has the pictures."""
 from __future__ import annotations
 
 import json
@@ -15,7 +15,7 @@ from . import thumbnails
 
 
 def _preset_items(_operator: bpy.types.Operator, context: bpy.types.Context | None) -> tuple:
-    """Of the object at hand; Blender asks without one when it lists all operators."""
+    """The presets of the active object. Blender passes no context when it lists all operators."""
     return thumbnails.items_of(context.object if context is not None else None)
 
 
@@ -55,17 +55,17 @@ def use(obj: bpy.types.Object, scene: bpy.types.Scene, name: str) -> None:
     scaled = {length: now[length] * chosen.fold_width / former_width}
     if "threshold" in now:
         scaled["threshold"] = 1.0 + (now["threshold"] - 1.0) * chosen.threshold / former.threshold
-    # Seven digits are what a float holds: the way back is exact.
+    # A float has seven digits, so switching back is exact.
     properties.apply_values(obj, scene, {key: float(f"{value:.7g}") for key, value in scaled.items()})
     settings.preset = name
 
 
 def _taken_back(obj: bpy.types.Object, former: Preset) -> tuple[dict[str, Any], float]:
-    """Settings to bring back from before the former preset, and by what it scaled the width of folds."""
+    """The settings to restore from before the former preset, and the former preset's factor on the width of folds."""
     settings = properties.group_of(obj)
     if settings.is_property_set("preset_replaced"):
         return json.loads(settings.preset_replaced or "{}"), former.fold_width
-    # A file that was saved before fabrics had weights: base cloth and layers were up to the artist.
+    # In files from before fabrics had weights, presets did not set base cloth and layers.
     replaced = former.replaced.keys() - {"base_cloth", "layers"}
     return properties.defaults(obj, replaced), former.old_fold_width or former.fold_width
 

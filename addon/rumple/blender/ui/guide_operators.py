@@ -12,8 +12,8 @@ from ..objects import guide_curves, incoming_mesh, mesh_reader, properties, rig_
 from ..translation import said
 from ..ui_base import OnWrinkled
 
-POINTS = 7  # of a new guide
-LENGTH = 8.0  # spacings
+POINTS = 7  # number of points of a new guide
+LENGTH = 8.0  # in spacings
 
 
 class OBJECT_OT_rumple_guide_add(OnWrinkled, bpy.types.Operator):
@@ -45,7 +45,7 @@ class OBJECT_OT_rumple_guide_add(OnWrinkled, bpy.types.Operator):
 
 
 def _new_curve(context: bpy.types.Context, garment: bpy.types.Object) -> bpy.types.Object:
-    """On the garment at rest, a child of it. Raises UserError where there is no such shape."""
+    """A new child curve on the garment at rest. Raises UserError if there is no rest shape."""
     settings = properties.settings_of(garment, context.scene)
     rest = mesh_reader.rest_positions(garment, settings.rest_shape, garment.rumple.rest_key).astype(np.float64)
     faces = [polygon.vertices[:] for polygon in incoming_mesh.of(garment).polygons]

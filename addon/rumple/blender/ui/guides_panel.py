@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The panel "Guides": the artist's hand in the folds of every system. panels.py registers it among the others."""
+"""The panel "Guides": direct control of folds in every system. panels.py registers it."""
 from __future__ import annotations
 
 import bpy

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What was healed of a mesh: said in the panel, and selected for the artist to look at."""
+"""Shows in the panel how a mesh was healed, and selects the healed elements."""
 from __future__ import annotations
 
 import bpy
@@ -12,7 +12,7 @@ from ..translation import said
 
 
 def origin_of(obj: bpy.types.Object) -> Origin | None:
-    """Where the elements of an object's healed mesh come from; None where nothing had to be healed."""
+    """The origins of the elements of an object's healed mesh; None if nothing was healed."""
     runtime = runtimes.known(obj)
     return None if runtime is None or runtime.evaluator is None else runtime.evaluator.base.origin
 
@@ -42,7 +42,7 @@ class OBJECT_OT_rumple_select_healed(ui_base.OnWrinkled, bpy.types.Operator):
 
 
 def _select(mesh: bpy.types.Mesh, domain: str, elements: np.ndarray) -> None:
-    """Nothing but these. elements: polygons, or the two vertices of edges."""
+    """Select only these elements. elements: polygons, or the two vertices of edges."""
     chosen = {"vertices": np.zeros(len(mesh.vertices), bool), "edges": np.zeros(len(mesh.edges), bool),
               "polygons": np.zeros(len(mesh.polygons), bool)}
     if domain == "FACE":
@@ -58,7 +58,7 @@ def _select(mesh: bpy.types.Mesh, domain: str, elements: np.ndarray) -> None:
 
 
 def draw(layout: bpy.types.UILayout, obj: bpy.types.Object) -> None:
-    """A sentence and a button for each kind."""
+    """Draw a sentence and a button for each kind."""
     origin = origin_of(obj)
     if origin is None:
         return

@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Whether the left button of the mouse is down: a dragged slider is rebuilt when it is let go.
+"""Detects whether the left mouse button is down, so that a dragged slider is rebuilt when it is released.
 
-Blender tells only operators: an operator that is invoked sees the last press or release of its window, whatever moves
-came since. Where that was a press, it stays in front of what is dragged, hands every event on, and sees the release.
+Blender tells only operators. An invoked operator gets the last press or release of its window, even if the mouse has
+moved since. If this was a press, the operator stays in front of the dragged element, passes every event on, and gets
+the release.
 """
 from __future__ import annotations
 
@@ -10,9 +11,9 @@ import bpy
 
 from .. import scheduler
 
-APPLIED = 0.05  # seconds after a release in which Blender gives the dragged value once more
+APPLIED = 0.05  # seconds after a release in which Blender still sets the dragged value
 
-_down_in = -1  # the file in which it is down
+_down_in = -1  # number of the file in which the button is down
 
 
 class WM_OT_rumple_held_mouse(bpy.types.Operator):
@@ -31,14 +32,14 @@ class WM_OT_rumple_held_mouse(bpy.types.Operator):
         return {"RUNNING_MODAL"}
 
     def modal(self, _context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
-        # Another press: the release went elsewhere.
+        # After another press, the release was missed.
         if (event.type, event.value) == ("LEFTMOUSE", "RELEASE") or event.value == "PRESS":
             _let_go()
             return {"FINISHED", "PASS_THROUGH"}
         return {"PASS_THROUGH"}
 
     def cancel(self, _context: bpy.types.Context) -> None:
-        """Another file, or the window is closed."""
+        """Called when another file is opened, or the window is closed."""
         _let_go()
 
 
@@ -50,7 +51,7 @@ def _let_go() -> None:
 
 
 def _is_down() -> bool:
-    """From the timer of the structural work."""
+    """Called by the timer of the structural work."""
     if _down_in == scheduler.file_number():
         return True
     for window in bpy.context.window_manager.windows:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The entries of Add Modifier, and the menu Object > Wrinkles, by which F3 finds what the panels have."""
+"""The entries of Add Modifier, and the menu Object > Wrinkles, through which F3 finds all commands of the panels."""
 from __future__ import annotations
 
 import bpy
@@ -9,8 +9,8 @@ from .. import compat, ui_base
 from ..translation import said
 from . import examples, panels, thumbnails
 
-# Groups of operators, by what they are called in bpy.ops. A property's name behind one makes it a submenu; with a text
-# behind that, it is an entry of that text that switches the property on.
+# Groups of operators, by their names in bpy.ops. A property name after an operator makes a submenu. A text after the
+# property makes an entry with this text that sets the property.
 _ENTRIES = (
     ("object.rumple_preset preset", "object.rumple_paint group", "object.rumple_copy_settings",
      "object.rumple_capture_rest", "object.rumple_width_from_height"),

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The buttons: add, remove, capture the rest shape, forget stored frames. Apply is in apply_operator.py.
+"""The buttons: add, remove, capture the rest shape, clear stored frames. Apply is in apply_operator.py.
 
 bpy.ops.object.rumple_add(method="MESH"), rumple_remove(), rumple_capture_rest(), rumple_clear_frames().
 """
@@ -30,7 +30,7 @@ NOT_SHOWN = "The wrinkles do not show: switch the modifier on in the viewport fi
 
 
 def _added_presets(operator: bpy.types.Operator, _context: bpy.types.Context | None) -> tuple:
-    """Of the system that is added."""
+    """The presets of the added system."""
     method = getattr(operator, "method", "")
     return (thumbnails.items(method) if method in SYSTEMS else ()) or thumbnails.items("MESH")
 
@@ -41,13 +41,13 @@ def _is_last_operation(context: bpy.types.Context) -> bool:
 
 
 def _other_mesh(scene: bpy.types.Scene, name: str, obj: bpy.types.Object) -> bpy.types.Object | None:
-    """What can be the body of an object, by its name in the scene."""
+    """The object with this name in the scene, if it can be the body of another one."""
     found = scene.objects.get(name)
     return found if found is not None and found != obj and bodies.can_be_body(found) else None
 
 
 def _set_properties(obj: bpy.types.Object) -> dict[_Setting, Any]:
-    """Of the settings of its method, and of its limit on vertices, those that are set, with their values."""
+    """The explicitly set settings of its method and of its vertex limit, with their values."""
     of_method = properties.group_of(obj)
     settings = [(of_method, name) for name in properties.fields_of(obj)] + [(obj.rumple, "most_vertices")]
     return {(group, name): getattr(group, name) for group, name in settings if group.is_property_set(name)}
@@ -65,7 +65,7 @@ class OBJECT_OT_rumple_add(bpy.types.Operator):
     shade: bpy.props.BoolProperty(name="Add to Materials", default=True, options={"SKIP_SAVE"},
                                   description="Wrinkle Field: let the materials of the object draw the waves")
 
-    # What Adjust Last Operation shows: where it was changed there, it counts.
+    # Shown by Adjust Last Operation, and used if they were changed there.
     preset: bpy.props.EnumProperty(name="Fabric", items=_added_presets, options={"SKIP_SAVE"},
                                    description="The fabric that it is made of")
     width: bpy.props.FloatProperty(name="Wavelength", subtype="DISTANCE", unit="LENGTH", min=0.0, soft_max=0.2,
@@ -78,7 +78,7 @@ class OBJECT_OT_rumple_add(bpy.types.Operator):
     _may_wait = False
 
     def draw(self, context: bpy.types.Context) -> None:
-        """Adjust Last Operation."""
+        """Draw Adjust Last Operation."""
         system = SYSTEMS.get(self.method)
         if system is None:
             return
@@ -92,7 +92,7 @@ class OBJECT_OT_rumple_add(bpy.types.Operator):
 
     @classmethod
     def description(cls, _context: bpy.types.Context, chosen: bpy.types.OperatorProperties) -> str:
-        """The tooltip of the method that is chosen."""
+        """The tooltip of the chosen method."""
         return said(next(tip for method, _label, tip in (*properties.METHODS, properties.MAPS)
                          if method == chosen.method))
 
@@ -100,13 +100,13 @@ class OBJECT_OT_rumple_add(bpy.types.Operator):
     def poll(cls, context: bpy.types.Context) -> bool:
         why = ui_base.refusal(context.object, wrinkled=False)
         if why == ui_base.WRINKLED and _is_last_operation(context):
-            why = ""  # Adjust Last Operation asks before it undoes the first click
+            why = ""  # Adjust Last Operation calls poll() before it undoes the first click
         if why:
             cls.poll_message_set(said(why))
         return not why
 
     def invoke(self, context: bpy.types.Context, _event: bpy.types.Event) -> set[str]:
-        """From a menu: what takes long is made while the window goes on. Scripts get all of it at once."""
+        """Called from a menu: long work continues in a thread. Scripts wait for the complete result."""
         self._may_wait = True
         return self.execute(context)
 
@@ -131,7 +131,7 @@ class OBJECT_OT_rumple_add(bpy.types.Operator):
         notes = self._set_up(context, obj)
         with scheduler.suspended():
             nodes_mod = modifier.add(obj, self.method)
-        # Handlers write while the window draws: without the lock a render in the window may crash.
+        # Handlers write while the window draws. Without the lock, a render in the window may crash.
         context.scene.render.use_lock_interface = True
         if self.method == "FIELD":
             self._show_waves(context, obj)
@@ -148,7 +148,7 @@ class OBJECT_OT_rumple_add(bpy.types.Operator):
             why = runtimes.message(obj) or f"{obj.name}: nothing to wrinkle"
             remove(obj)
             for group in [group for group in obj.vertex_groups if group.name not in maps]:
-                obj.vertex_groups.remove(group)  # that this click has painted
+                obj.vertex_groups.remove(group)  # painted by this click
             return self._refuse(why)
         self._report(obj, notes, [note] if note else [])
         return {"FINISHED"}
@@ -160,11 +160,11 @@ class OBJECT_OT_rumple_add(bpy.types.Operator):
     def _add_maps(self, obj: bpy.types.Object) -> set[str]:
         try:
             return bpy.ops.rumple.maps_add()
-        except RuntimeError as error:  # how bpy.ops hands on a refusal
+        except RuntimeError as error:  # bpy.ops raises this if poll() fails
             return self._refuse(f"{obj.name}: {str(error).rsplit('poll() ', 1)[-1].strip()}")
 
     def _set_up(self, context: bpy.types.Context, obj: bpy.types.Object) -> list[str]:
-        """All settings, and what it is worn over. Returns what to say of them."""
+        """Set all settings and the bodies. Returns messages about them."""
         lengths = self._set_defaults(context, obj)
         with incoming_mesh.whole(body_search.candidates(obj, context.scene)):
             worn_over = self._set_cloth(obj, context.scene, lengths)
@@ -184,7 +184,7 @@ class OBJECT_OT_rumple_add(bpy.types.Operator):
                 "to Hang"]
 
     def _set_cloth(self, obj: bpy.types.Object, scene: bpy.types.Scene, lengths: set[str]) -> body_search.WornOver:
-        """Make cloth of what is cloth, and look for what it is worn over."""
+        """Set the cloth settings if the object is a garment, and find its bodies."""
         worn_over = body_search.find(obj, scene)
         is_sheet = cloth_defaults.is_sheet(obj, worn_over.body)
         if not worn_over.is_body:
@@ -196,16 +196,16 @@ class OBJECT_OT_rumple_add(bpy.types.Operator):
         return worn_over
 
     def _show_waves(self, context: bpy.types.Context, obj: bpy.types.Object) -> None:
-        """Of a Wrinkle Field: in materials and viewports."""
+        """Show the waves of a Wrinkle Field in materials and viewports."""
         if self.shade:
             field_shader.shade_object(obj)
         if context.space_data is not None and not obj.rumple.field.is_property_set("gpu_preview"):
-            obj.rumple.field.gpu_preview = True  # else nothing is seen of it in Solid viewports
+            obj.rumple.field.gpu_preview = True  # otherwise Solid viewports do not show it
 
     def _is_left_to_a_thread(self, obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier) -> bool:
-        """Whether the window goes on without folds, and gets them when they are ready. What may have to be switched off
-        for them is tried here and now."""
-        may_wait, self._may_wait = self._may_wait, False  # Adjust Last Operation executes it once more
+        """Whether the folds are built in a thread while the window stays usable. Not if a Subdivision behind may have
+        to be changed for them: this is tried at once."""
+        may_wait, self._may_wait = self._may_wait, False  # Adjust Last Operation executes it again
         if not may_wait or subdivision_behind.quality(obj):
             return False
         with scheduler.waiting():
@@ -216,7 +216,7 @@ class OBJECT_OT_rumple_add(bpy.types.Operator):
         return is_awaited
 
     def _make(self, obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier) -> str:
-        """The fine mesh. Returns what had to be switched off for it, in a sentence, or nothing."""
+        """Make the fine mesh. Returns a sentence about modifiers that were changed for it, or an empty text."""
         if self._is_made(obj, nodes_mod):
             return ""
         return subdivision_behind.try_lighter(obj, lambda: self._is_made(obj, nodes_mod))
@@ -228,9 +228,9 @@ class OBJECT_OT_rumple_add(bpy.types.Operator):
 
     def _make_without(self, context: bpy.types.Context, obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier,
                       kept: dict[_Setting, Any]) -> str:
-        """Once more, without settings of the fine mesh that were kept from a removal: without wrinkles there is no
-        panel to change them. They are put back where it is refused all the same. kept: what was set before the click.
-        Returns what _make() does."""
+        """Try again without settings of the fine mesh that were kept from a removal, because an object without wrinkles
+        has no panel to change them. If this fails too, they are restored. kept: the settings from before the click.
+        Returns the same as _make()."""
         width, why = SYSTEMS[self.method].wrinkles.SUGGESTED, runtimes.message(obj)
         names = {*_OF_FINE_MESH, width}
         left_out = {setting: value for setting, value in kept.items() if setting[1] in names}
@@ -253,8 +253,8 @@ class OBJECT_OT_rumple_add(bpy.types.Operator):
         return note
 
     def _set_defaults(self, context: bpy.types.Context, obj: bpy.types.Object) -> set[str]:
-        """What was set before a removal stays; lengths that were never set suit the mesh and the scene's unit. Returns
-        their names."""
+        """Set defaults. Settings from before a removal stay. Lengths that were never set get values for the mesh and
+        the scene's unit. Returns the names of these lengths."""
         settings = properties.group_of(obj)
         lengths = {name for name, f in properties.fields_of(obj).items()
                    if f.metadata["unit"] == "LENGTH" and not settings.is_property_set(name)}
@@ -262,7 +262,7 @@ class OBJECT_OT_rumple_add(bpy.types.Operator):
         system = SYSTEMS[self.method].wrinkles
         incoming_mesh.update(obj)
         if settings.rest_shape == "FRAME" and wrinkle_tree.REST_POSITION not in incoming_mesh.of(obj).attributes:
-            settings.property_unset("rest_shape")  # it went with the wrinkles that it was captured for
+            settings.property_unset("rest_shape")  # the captured shape was removed with the former wrinkles
         if system.SUGGESTED in lengths and len(incoming_mesh.of(obj).polygons):
             base = mesh_reader.base_mesh(obj, "REST_POSE", "")
             values[system.SUGGESTED] = system.suggested_length(base, rig_scale.metres_at_rest(obj, context.scene))
@@ -271,7 +271,7 @@ class OBJECT_OT_rumple_add(bpy.types.Operator):
         return lengths
 
     def _adjust(self, context: bpy.types.Context, obj: bpy.types.Object) -> None:
-        """What Adjust Last Operation has, and otherwise shows."""
+        """Apply the values of Adjust Last Operation, and show the current values there."""
         system, settings = SYSTEMS[self.method], properties.group_of(obj)
         length = system.wrinkles.SUGGESTED
         if system.presets and self.properties.is_property_set("preset") and self.preset != settings.preset:
@@ -287,8 +287,8 @@ class OBJECT_OT_rumple_add(bpy.types.Operator):
             self.preset = fabric
 
     def _set_bodies(self, obj: bpy.types.Object, found: body_search.WornOver) -> None:
-        """Where none was ever set: what was set before a removal stays, and nothing too. A library override counts
-        every pointer as set, to nothing."""
+        """Set the bodies if none was ever set. Bodies from before a removal stay, also if the artist had cleared them.
+        In a library override every pointer counts as set, even if it is empty."""
         about, names = obj.rumple, ("body", "body_collection")
         if about.looks_again or not any(about.is_property_set(name) and (
                 obj.override_library is None or getattr(about, name) is not None) for name in names):
@@ -317,7 +317,7 @@ class OBJECT_OT_rumple_add(bpy.types.Operator):
 
 
 def remove(obj: bpy.types.Object) -> None:
-    """The wrinkles. Wrinkle Maps beside them stay, and are the object's method then."""
+    """Remove the wrinkles. Wrinkle Maps stay, and become the object's method."""
     rebuild.remove_all(obj)
     maps_rebuild.note_method(obj)
 

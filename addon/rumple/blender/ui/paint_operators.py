@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Painted maps: the button that paints one, and what is done with a whole map.
+"""Painted maps: the button that paints a map, and operations on a whole map.
 
 bpy.ops.object.rumple_paint(group="radius"), rumple_paint_clear(group="radius"), rumple_paint_invert(group="radius"),
 rumple_paint_from_border(group="radius", distance=0.05, falloff="SMOOTH", reverse=False),
@@ -23,11 +23,11 @@ _FALLOFFS = (("SMOOTH", "Smooth", "Flat at the border and beyond the distance"),
              ("LINEAR", "Linear", "Evenly from the border on"))
 _CHANNELS = (("LUMINANCE", "Luminance", "How bright the colour is"), ("ALPHA", "Alpha", "How opaque it is"),
              ("RED", "Red", ""), ("GREEN", "Green", ""), ("BLUE", "Blue", ""))
-DISTANCE = 0.05  # metres, where none is given
+DISTANCE = 0.05  # metres, the default
 
 
 class _OnMap(ui_base.OnWrinkled):
-    """Operators for one map of an object whose mesh can be written."""
+    """Operators for one map of an object with an editable mesh."""
 
     group: bpy.props.EnumProperty(name="Paint", items=_MAPS)
 
@@ -41,7 +41,7 @@ class _OnMap(ui_base.OnWrinkled):
         return not why
 
     def map_of(self, obj: bpy.types.Object) -> PaintedMap:
-        """The chosen one, where it may be written. Raises UserError."""
+        """The chosen map, if it is editable. Raises UserError."""
         painted = painted_maps.find(obj, self.group)
         if painted is None:
             raise UserError(f"{obj.name}: its wrinkles have no {self.group} to paint: choose another map")
@@ -71,7 +71,7 @@ class OBJECT_OT_rumple_paint(_OnMap, bpy.types.Operator):
 
     @classmethod
     def description(cls, _context: bpy.types.Context, chosen: bpy.types.OperatorProperties) -> str:
-        """Of what is painted the other way round."""
+        """The tooltip, which differs for maps that are painted from 1 to 0."""
         tip = paint_words.TIPS.get(chosen.group, "")
         return said(tip) if tip else ""
 
@@ -92,29 +92,30 @@ class OBJECT_OT_rumple_paint(_OnMap, bpy.types.Operator):
         if obj.mode != "WEIGHT_PAINT" and not bpy.app.background:
             bpy.ops.object.mode_set(mode="WEIGHT_PAINT")
         if not painted.exists:
-            # Most new groups are full already.
+            # Most new groups already have full weight.
             _set_brush_weight(context, 1.0 if self.group in paint_words.HOW else 0.0)
             self.report({"INFO"}, paint_words.how(painted))
         return {"FINISHED"}
 
 
 def _set_brush_weight(context: bpy.types.Context, weight: float) -> None:
-    """Of Weight Paint: of the brush, and where brushes share it of all of them."""
+    """Set the weight of the Weight Paint brush, and the shared weight if brushes share it."""
     tools = context.tool_settings
-    paint = tools.weight_paint  # none before the mode was entered for the first time
+    paint = tools.weight_paint  # None before the mode was entered for the first time
     shared = getattr(tools, "unified_paint_settings", None) or getattr(paint, "unified_paint_settings", None)  # 5.0
     brush = None if paint is None else paint.brush
     if brush is not None and compat.is_editable(brush):
         brush.weight = weight
     elif shared is not None:
-        shared.use_unified_weight = True  # the brush is an asset of Blender's, or comes later
+        shared.use_unified_weight = True  # the brush is one of Blender's assets, or not created yet
     if shared is not None:
         shared.weight = weight
 
 
 # ---------------------------------------------------------------- the whole map
 class _WholeMap(_OnMap):
-    """What makes new weights of a map, for all vertices or, where a mask of Weight Paint is on, for the selected."""
+    """Operators that make new weights of a map: for all vertices, or for the selected ones if Weight Paint's mask is
+    on."""
 
     needs_map = False
 
@@ -155,7 +156,7 @@ class OBJECT_OT_rumple_paint_clear(_WholeMap, bpy.types.Operator):
             painted_maps.write(obj, painted, painted_maps.start(obj, painted))
             return
         if obj.mode == "WEIGHT_PAINT" and obj.vertex_groups.active.name == painted.name:
-            bpy.ops.object.mode_set(mode="OBJECT")  # the next stroke would paint another group, as one of a bone
+            bpy.ops.object.mode_set(mode="OBJECT")  # otherwise the next stroke would paint another group, e.g. a bone's
         painted_maps.remove(obj, painted)
 
 
@@ -196,7 +197,7 @@ class OBJECT_OT_rumple_paint_from_border(_WholeMap, bpy.types.Operator):
 
 
 def _from_border(obj: bpy.types.Object, most: float) -> np.ndarray:
-    """(n,) distances of the undeformed mesh from its open border, in the scene's unit. Raises UserError."""
+    """(n,) distances to the open border on the undeformed mesh, in the scene's unit. Raises UserError."""
     mesh = obj.data
     positions = mesh_reader.basis_positions(mesh) @ np.array(obj.matrix_world.to_3x3(), np.float32).T
     edges, of_corners = compat.edge_vertices(mesh), compat.indices(mesh.loops, "edge_index")
@@ -221,7 +222,7 @@ class OBJECT_OT_rumple_paint_from_texture(_WholeMap, bpy.types.Operator):
             self.image = _likely_image(context.object)
         try:
             _uv_map(context.object)
-            _image(context.object, self.image)  # without one there is nothing to choose
+            _image(context.object, self.image)  # without an image there is nothing to choose
         except UserError as error:
             return self.refused(error)
         return context.window_manager.invoke_props_dialog(self)
@@ -239,7 +240,7 @@ class OBJECT_OT_rumple_paint_from_texture(_WholeMap, bpy.types.Operator):
 
 
 def _likely_image(obj: bpy.types.Object) -> str:
-    """That of the active texture of its material, else the first one of the file; empty where there is none."""
+    """The image of the active texture of its material, otherwise the first one of the file; empty if there is none."""
     material = obj.active_material
     tree = material.node_tree if material is not None else None
     node = tree.nodes.active if tree is not None else None
@@ -264,7 +265,7 @@ def _uv_map(obj: bpy.types.Object) -> np.ndarray:
 
 
 def _pixels(obj: bpy.types.Object, image: bpy.types.Image) -> np.ndarray:
-    """(height, width, channels) float32, as they are stored. Of a tiled image the first tile."""
+    """(height, width, channels) float32, as stored. Of a tiled image, the first tile."""
     width, height = image.size
     if width * height == 0 or len(image.pixels) != width * height * image.channels:
         raise UserError(f"{obj.name}: the pixels of \"{image.name}\" cannot be read: look for its file by File > "

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The panel "Paint": every map of an object's wrinkles. panels.py registers it among the others."""
+"""The panel "Paint": every map of an object's wrinkles. panels.py registers it."""
 from __future__ import annotations
 
 import bpy
@@ -47,20 +47,20 @@ def _draw_map(column: bpy.types.UILayout, obj: bpy.types.Object, painted: painte
 
 
 def draw_active_map(layout: bpy.types.UILayout, obj: bpy.types.Object) -> None:
-    """While a map is painted: which weight does what."""
+    """While a map is painted, show the meaning of its weights."""
     for painted in painted_maps.of(obj) if obj.mode == "WEIGHT_PAINT" else ():
         if is_active_map(obj, painted):
             draw_note(layout, paint_words.how(painted), "BRUSH_DATA")
 
 
 def is_active_map(obj: bpy.types.Object, painted: painted_maps.PaintedMap) -> bool:
-    """Whether it is the map that is painted now."""
+    """Whether this map is being painted."""
     active = obj.vertex_groups.active
     return obj.mode == "WEIGHT_PAINT" and active is not None and active.name == painted.name
 
 
 def words(numbers: tuple[float, float]) -> str:
-    """Of a map: mean 0.62 - 31 % of the vertices. A share that is not 0 is not said to be 0."""
+    """A text about a map: mean 0.62 - 31 % of the vertices. A small share is not rounded to 0."""
     mean, share = numbers
     percent = f"{100.0 * share:.0f}" if share >= 0.005 or share == 0.0 else "< 1"
     return f"mean {mean:.2f} \u00b7 {percent} % of the vertices"

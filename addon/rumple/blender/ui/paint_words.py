@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the brush says: of maps that are painted from 0 on, which do nothing without paint, and of all others."""
+"""Instructions for the brush. They differ for maps that have no effect at 0, and for all other maps."""
 from __future__ import annotations
 
 import bpy
@@ -27,14 +27,14 @@ CTRL = "Hold Ctrl to paint the opposite"
 
 
 def how(painted: PaintedMap) -> str:
-    """Which weight does what, in Blender's language."""
+    """The meaning of the weights, in Blender's language."""
     words = said(HOW.get(painted.key) or
                  f"Paint with weight 0 where {said(painted.label)} fades, with 1 where it comes back")
     return f"{words}. {said(CTRL)}" if ctrl_inverts() else words
 
 
 def ctrl_inverts() -> bool:
-    """Whether a stroke of Weight Paint with Ctrl held paints 1 instead of 0, by the keys of this Blender and artist."""
+    """Whether a Weight Paint stroke with Ctrl paints 1 instead of 0, in the keymap of this Blender and artist."""
     keymap = bpy.context.window_manager.keyconfigs.user.keymaps.get("Weight Paint")
     return any(item.idname == "paint.weight_paint" and item.active and item.ctrl and item.properties.mode == "INVERT"
                for item in (keymap.keymap_items if keymap is not None else ()))

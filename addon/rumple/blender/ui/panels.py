@@ -22,7 +22,7 @@ ICONS = {"MESH": "MOD_CLOTH", "FIELD": "MOD_WAVE", "PATHS": "MOD_CURVE"}
 
 
 class DATA_PT_rumple(bpy.types.Panel):
-    bl_label = ""  # draw_header() says system and fabric
+    bl_label = ""  # draw_header() shows system and fabric
     bl_idname = "DATA_PT_rumple"
     bl_space_type = "PROPERTIES"
     bl_region_type = "WINDOW"
@@ -31,19 +31,19 @@ class DATA_PT_rumple(bpy.types.Panel):
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        """Hidden before it is used: the Add Modifier menu has the entries."""
+        """Hidden if there are no wrinkles: the Add Modifier menu has the entries."""
         obj = context.object
         return obj is not None and obj.type == "MESH" and modifier.find(obj) is not None
 
     def draw_header(self, context: bpy.types.Context) -> None:
-        room = ui_base.letters_across() - (15 if examples.files() else 12)  # of the buttons
+        room = ui_base.letters_across() - (15 if examples.files() else 12)  # for the buttons
         words = "" if ui_base.is_narrow() else ui_base.shortened(title(context.object), room)
         self.layout.label(text=words, translate=False)
 
     def draw_header_preset(self, context: bpy.types.Context) -> None:
         nodes_mod = modifier.find(context.object)
         row = self.layout.row(align=True)
-        if not ui_base.is_narrow():  # where it would cover the arrow that opens the panel
+        if not ui_base.is_narrow():  # otherwise it would cover the arrow that opens the panel
             examples.draw_button(row)
         row.prop(nodes_mod, "show_viewport", text="", emboss=False)
         row.prop(nodes_mod, "show_render", text="", emboss=False)
@@ -76,14 +76,14 @@ class DATA_PT_rumple(bpy.types.Panel):
 
 
 def title(obj: bpy.types.Object) -> str:
-    """Wrinkle Mesh, and the fabric that was chosen last."""
+    """Wrinkle Mesh, and the last chosen fabric."""
     system = properties.system_of(obj)
     words = [system.label] + ([system.presets[properties.group_of(obj).preset].label] if system.presets else [])
     return " \u00b7 ".join(said(word) for word in words)
 
 
 def _draw_first(column: bpy.types.UILayout, obj: bpy.types.Object) -> None:
-    """What artists change first."""
+    """Draw the settings that artists change first."""
     settings = properties.group_of(obj)
     if obj.rumple.method == "MESH" and settings.layers == "CLOTH" and settings.source == "SUBDIVISION":
         for name in ("drape", "folds", "detail"):
@@ -132,7 +132,7 @@ class DATA_PT_rumple_fine_mesh(Panel, bpy.types.Panel):
 class DATA_PT_rumple_waves(Panel, bpy.types.Panel):
     bl_label = "Waves"
     bl_options = {"DEFAULT_CLOSED"}
-    bl_translation_context = OWN_CONTEXT  # of the sea, in Blender's own French
+    bl_translation_context = OWN_CONTEXT  # Blender's own French has waves of the sea
     method = "FIELD"
 
     def draw(self, context: bpy.types.Context) -> None:
@@ -222,7 +222,7 @@ class DATA_PT_rumple_frames(Panel, bpy.types.Panel):
 
 
 def _draw_disk(column: bpy.types.UILayout, obj: bpy.types.Object) -> None:
-    """What is to be said of frames on disk."""
+    """Draw messages about frames on disk."""
     kept = disk_frames.of(obj)
     if clip_place.of(obj) is None:
         draw_note(column, f"{obj.name}: save the file first: stored frames are kept beside it")
@@ -231,7 +231,7 @@ def _draw_disk(column: bpy.types.UILayout, obj: bpy.types.Object) -> None:
 
 
 def ranges(frames: list[float], most: int = 6) -> str:
-    """1-20, 31, 40-55: whole frames in runs; subframes are left out."""
+    """1-20, 31, 40-55: whole frames as ranges, without subframes."""
     runs: list[list[int]] = []
     for frame in (int(f) for f in frames if f == int(f)):
         if runs and frame == runs[-1][1] + 1:
@@ -257,11 +257,11 @@ class DATA_PT_rumple_status(Panel, bpy.types.Panel):
 
 
 def status_line(obj: bpy.types.Object) -> str:
-    """What matters most, beside the closed panel: how much is shown, and what the last frame took."""
+    """The most important numbers, beside the closed panel: how much is shown, and the time of the last frame."""
     runtime = runtimes.known(obj)
     if modifier.plays_clip(modifier.find(obj)) or runtime is None or runtime.evaluator is None:
         return ""
-    fine, inputs, result = runtime.evaluator, runtime.inputs, runtime.result  # once: a render may change them
+    fine, inputs, result = runtime.evaluator, runtime.inputs, runtime.result  # read once: a render may change them
     in_viewport = inputs is not None and inputs.in_viewport and fine.in_viewport is not None
     count = fine.in_viewport.vertex_count if in_viewport else fine.vertex_count
     took = 0.0 if result is None else sum(result.milliseconds.values())
@@ -298,7 +298,7 @@ def _fields_not_felt(inputs: runtimes.Inputs | None) -> list[str]:
 
 
 def may_get_maps(obj: bpy.types.Object) -> bool:
-    """They stand beside other wrinkles, whose folds they may be baked from."""
+    """Wrinkle Maps can be added beside other wrinkles, whose folds can be baked into them."""
     return maps_modifier.find(obj) is None and (obj.find_armature() is not None or bool(maps_keys.blocks(obj)))
 
 

@@ -50,7 +50,7 @@ class OBJECT_OT_rumple_width_from_height(OnPaths, bpy.types.Operator):
 
 
 def character_height(obj: bpy.types.Object) -> tuple[bpy.types.Object, float] | None:
-    """Whose height counts for a garment, and that height: up and down in the world, at rest, scene units."""
+    """The object whose height is used for a garment, and this height: vertical in the world, at rest, scene units."""
     for character in (obj.find_armature(), obj.parent, obj):
         height = _rest_height(character) if character is not None else 0.0
         if height > 0.0:
@@ -59,7 +59,7 @@ def character_height(obj: bpy.types.Object) -> tuple[bpy.types.Object, float] | 
 
 
 def _rest_height(obj: bpy.types.Object) -> float:
-    """0 where there is none."""
+    """0 if there is none."""
     if obj.type == "ARMATURE":
         points: Any = [end for bone in obj.data.bones if bone.use_deform for end in (bone.head_local, bone.tail_local)]
     elif obj.type == "MESH":

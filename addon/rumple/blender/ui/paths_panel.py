@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The panels of the Wrinkle Paths. panels.py registers them among the others."""
+"""The panels of the Wrinkle Paths. panels.py registers them."""
 from __future__ import annotations
 
 import bpy
@@ -11,7 +11,7 @@ from . import rest_panel
 
 
 def draw_size(column: bpy.types.UILayout, settings: bpy.types.PropertyGroup) -> None:
-    """How wide and how high folds are: above all panels."""
+    """Draw width and height of folds, above all panels."""
     row = draw_setting(column, settings, "width")
     row.operator("object.rumple_width_from_height", text="", icon="OUTLINER_OB_ARMATURE")
     draw_setting(column, settings, "height")
@@ -57,7 +57,7 @@ class DATA_PT_rumple_show_paths(Panel, bpy.types.Panel):
         shown = bool(path_curves.of(obj))
         column.operator(f"object.rumple_curves_{'remove' if shown else 'add'}", icon="CURVE_DATA")
         row = column.row()
-        row.active = not modifier.is_baked(modifier.find(obj))  # a clip knows neither
+        row.active = not modifier.is_baked(modifier.find(obj))  # a clip uses neither of them
         row.prop(obj.rumple.paths, "show_overlay")
         row = column.row()
         row.active = obj.rumple.paths.show_overlay

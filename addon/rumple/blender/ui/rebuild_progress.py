@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a window shows while fine meshes are made in threads, and Esc."""
+"""Shows in a window that threads build fine meshes, and handles Esc."""
 from __future__ import annotations
 
 import bpy
@@ -9,9 +9,9 @@ from ..objects import evaluator, modifier, runtimes
 from ..translation import said
 from .operators import remove
 
-AFTER = 0.4  # seconds that are not worth a word
+AFTER = 0.4  # seconds: nothing is shown for shorter builds
 
-_shown_in = -1  # the file in which it is shown
+_shown_in = -1  # number of the file in which it is shown
 
 
 class WM_OT_rumple_rebuild_wait(bpy.types.Operator):
@@ -36,7 +36,7 @@ class WM_OT_rumple_rebuild_wait(bpy.types.Operator):
             self._end(context)
             for work in works:
                 self._cancel(work)
-            return {"FINISHED", "PASS_THROUGH"}  # what is dragged is to be let go, too
+            return {"FINISHED", "PASS_THROUGH"}  # Esc must also reach a dragged slider
         if not works:
             self._end(context)
             return {"CANCELLED", "PASS_THROUGH"}
@@ -45,7 +45,7 @@ class WM_OT_rumple_rebuild_wait(bpy.types.Operator):
         return {"PASS_THROUGH"}
 
     def cancel(self, context: bpy.types.Context) -> None:
-        """Another file, or the window is closed."""
+        """Called when another file is opened, or the window is closed."""
         self._end(context)
 
     def _cancel(self, work: scheduler.Awaited) -> None:
@@ -81,7 +81,7 @@ class WM_OT_rumple_rebuild_wait(bpy.types.Operator):
 
 
 def _tell() -> None:
-    """From the timer of the structural work."""
+    """Called by the timer of the structural work."""
     windows = bpy.context.window_manager.windows
     is_long = any(work.seconds >= AFTER for work in scheduler.awaited())
     if not is_long or _shown_in == scheduler.file_number() or not len(windows):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The panel "Rest Shape": what counts as unwrinkled. panels.py registers it among the others."""
+"""The panel "Rest Shape": the shape without wrinkles. panels.py registers it."""
 from __future__ import annotations
 
 import bpy
@@ -32,7 +32,7 @@ class DATA_PT_rumple_rest(Panel, bpy.types.Panel):
 
 
 def draw_reference(column: bpy.types.UILayout, settings: bpy.types.PropertyGroup) -> None:
-    """What the rest shape that adapts is set by; Wrinkle Paths have it in another panel."""
+    """Draw the settings of an adaptive rest shape. Wrinkle Paths have them in another panel."""
     if settings.stateless:
         column.label(text="Independent Frames: the rest pose counts", icon="INFO")
     for name in reference_settings(settings):

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Presets of the artist's own: the settings of one object under a name, in Blender's preset folder, to share as files.
+"""The artist's own presets: the settings of one object under a name. They are files in Blender's preset folder, so they
+can be shared.
 
-Lengths are stored in metres, so that a preset means the same in a scene of any unit.
+Lengths are stored in metres, so that a preset has the same meaning in scenes of any unit.
 """
 from __future__ import annotations
 
@@ -29,13 +30,13 @@ bpy.ops.object.rumple_use_settings(method="{method}", values=r"""
 
 
 def values_of(obj: bpy.types.Object, scene: bpy.types.Scene) -> dict[str, Any]:
-    """The settings of an object that are its cloth's, not its mesh's: by name, in metres and plain numbers."""
+    """The settings of an object that belong to its cloth, not to its mesh: by name, in metres and plain numbers."""
     settings = properties.settings_of(obj, scene)
     return {name: getattr(settings, name) for name in properties.fields_of(obj) if name not in OWN}
 
 
 def checked(obj: bpy.types.Object, text: str) -> tuple[dict[str, Any], list[str]]:
-    """Values from JSON that the object's system takes, and the names of those that it does not. Raises ValueError."""
+    """The values from JSON that are valid for the object's system, and the names of the others. Raises ValueError."""
     given = json.loads(text)
     if not isinstance(given, dict):
         raise ValueError("these are no settings")
@@ -58,7 +59,7 @@ class _OfSystem:
 
     @property
     def preset_subdir(self) -> str:
-        """As Blender's preset classes ask for it."""
+        """The attribute that Blender's preset classes read."""
         return f"rumple_{bpy.context.object.rumple.method.lower()}"
 
 
@@ -76,7 +77,7 @@ class OBJECT_OT_rumple_save_settings(_OfSystem, AddPresetBase, bpy.types.Operato
     preset_menu = "DATA_PT_rumple_saved_settings"
 
     def add(self, context: bpy.types.Context, filepath: str) -> None:
-        """Write the file: called by AddPresetBase."""
+        """Write the file. Called by AddPresetBase."""
         system = properties.system_of(context.object)
         values = json.dumps(values_of(context.object, context.scene), indent=1)
         Path(filepath).write_text(_FILE.format(label=system.label, method=system.method, values=values),
@@ -104,7 +105,7 @@ class OBJECT_OT_rumple_use_settings(ui_base.OnWrinkled, bpy.types.Operator):
             self.report({"ERROR"}, said(f"{obj.name}: this preset cannot be read: {error}"))
             return {"CANCELLED"}
         properties.apply_values(obj, context.scene, known)
-        bpy.ops.ed.undo_push(message=self.bl_label)  # no operator that a preset's file calls is a step of its own
+        bpy.ops.ed.undo_push(message=self.bl_label)  # operators called by a preset file make no undo step themselves
         if refused:
             self.report({"WARNING"}, said(f"{obj.name}: not known here, and left as they were: {', '.join(refused)}"))
         return {"FINISHED"}

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Pictures of the fabrics and of the systems, as Blender's own preview icons: in their menus, and large in the panel.
+"""Pictures of the fabrics and systems, as Blender's own preview icons: in their menus, and large in the panel.
 
-docs/pictures/make_thumbnails.py renders them into thumbnails/. Where one is missing or cannot be read, the menu has its
-words.
+docs/pictures/make_thumbnails.py renders them into thumbnails/. If one is missing or cannot be read, the menu shows only
+text.
 """
 from __future__ import annotations
 
@@ -18,21 +18,21 @@ from ..objects import modifier, properties
 from ..translation import said
 
 FOLDER = Path(os.path.abspath(__file__)).parents[2] / "thumbnails"
-CHOICE = "rumple_fabric"  # of the window manager: files do not have it
+CHOICE = "rumple_fabric"  # property of the window manager, because it is not saved in files
 SCALE, SCALE_IN_POPUP, SCALE_IN_MENU = 2.5, 5.0, 3.0
-OF_SYSTEMS = {"MESH": "COTTON", "PATHS": "COTTON"}  # preset whose picture stands for one that has presets
+OF_SYSTEMS = {"MESH": "COTTON", "PATHS": "COTTON"}  # preset whose picture is used for a system with presets
 
 _pictures: Any = None  # bpy.utils.previews.ImagePreviewCollection
 _items: dict[str, tuple] = {}  # Blender keeps no copy
 
 
 def path(method: str, preset: str = "") -> Path:
-    """Of the picture of a preset, or of a system that has none."""
+    """The picture of a preset, or of a system without presets."""
     return FOLDER / (f"{method}_{preset}.png" if preset else f"{method}.png")
 
 
 def icon(method: str, preset: str = "") -> int:
-    """The number of its icon; 0 without a picture."""
+    """The number of its icon; 0 if there is no picture."""
     global _pictures
     file = path(method, preset)
     if not file.is_file():
@@ -54,12 +54,12 @@ def items(method: str) -> tuple[tuple[str, str, str, int, int], ...]:
 
 
 def items_of(obj: bpy.types.Object | None) -> tuple:
-    """Of the system that an object has."""
+    """The same for the system of an object."""
     return items(properties.system_of(obj).method if obj is not None and modifier.find(obj) is not None else "MESH")
 
 
 def _context_items(_owner: Any, context: bpy.types.Context | None) -> tuple:
-    """Blender asks without a context when it lists all properties."""
+    """Blender passes no context when it lists all properties."""
     return items_of(context.object if context is not None else None)
 
 
@@ -72,7 +72,7 @@ def _chosen(_owner: Any) -> int:
 
 
 def _choose(_owner: Any, number: int) -> None:
-    """As the menu does, with its step of undo."""
+    """Choose a fabric as the menu does, with an undo step."""
     obj = bpy.context.object
     presets = properties.system_of(obj).presets if obj is not None and modifier.find(obj) is not None else {}
     for key, preset in presets.items():
@@ -81,7 +81,8 @@ def _choose(_owner: Any, number: int) -> None:
 
 
 def draw(layout: bpy.types.UILayout, obj: bpy.types.Object, icon_of_system: str) -> None:
-    """The menu of fabrics, beside the picture of the one that was chosen last: a click on that shows all pictures."""
+    """Draw the menu of fabrics, beside the picture of the last chosen one. A click on the picture shows all
+    pictures."""
     system = properties.system_of(obj)
     key = properties.group_of(obj).preset
     row = layout.row()
@@ -93,11 +94,11 @@ def draw(layout: bpy.types.UILayout, obj: bpy.types.Object, icon_of_system: str)
 
 
 def beside_pictures(layout: bpy.types.UILayout, methods: list[str]) -> bpy.types.UILayout:
-    """In a menu: pictures of systems below one another, and the column beside them for their entries, each as high."""
+    """For a menu: a column of pictures of systems, and beside it a column for their entries of the same height."""
     icons = [icon(method, OF_SYSTEMS.get(method, "")) for method in methods]
     if not all(icons):
         return layout
-    row = layout.row()  # one for all: menus put rows of their own askew
+    row = layout.row()  # only one, because menus misalign separate rows
     pictures, entries = row.column(), row.column()
     for number in icons:
         pictures.template_icon(icon_value=number, scale=SCALE_IN_MENU)

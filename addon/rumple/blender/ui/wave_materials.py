@@ -11,7 +11,7 @@ from ..translation import said
 
 
 def unshaded(obj: bpy.types.Object) -> list[str]:
-    """The first material that was to draw the waves and cannot."""
+    """A message about the first material that should draw the waves but cannot."""
     return [f"{obj.name}: the material \"{material.name}\" shows no waves, for its shader is inside of a node group: "
             "connect a shader outside of it, or set Output to Geometry"
             for material in field_shader.materials_of(obj) if not field_shader.shows_waves(material)][:1]
@@ -32,7 +32,7 @@ class OBJECT_OT_rumple_shade(_OnWaves, bpy.types.Operator):
     def execute(self, context: bpy.types.Context) -> set[str]:
         field_shader.shade_object(context.object)
         materials = field_shader.materials_of(context.object)
-        runtimes.of(context.object).stale = True  # a new slot is carried
+        runtimes.of(context.object).stale = True  # the output object needs the new slots
         scheduler.sync_all()
         if not materials:
             self.report({"ERROR"}, said(f"{context.object.name}: its materials are linked from another file"))

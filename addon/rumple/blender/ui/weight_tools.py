@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Shortcuts of Weight Paint's gradient and samples, on wrinkled objects: see objects/weight_paint.py.
+"""Shortcuts for Weight Paint's gradient and sampling on wrinkled objects: see objects/weight_paint.py.
 
-Blender's own shortcuts, whatever they are, run the tools at once: viewports have to show the coarse mesh before that.
+Blender's own shortcuts run the tools at once, but viewports must show the coarse mesh before that. So the same keys run
+our operator.
 """
 from __future__ import annotations
 
@@ -28,7 +29,7 @@ class OBJECT_OT_rumple_paint_tool(ui_base.OnWrinkled, bpy.types.Operator):
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        """Else Blender's own is run."""
+        """Otherwise Blender's own operator runs."""
         return (super().poll(context) and context.object.mode == weight_paint.MODE
                 and not weight_paint.needs_coarse(context.object))
 
@@ -39,7 +40,7 @@ class OBJECT_OT_rumple_paint_tool(ui_base.OnWrinkled, bpy.types.Operator):
         context.view_layer.update()
         try:
             result = self._run()
-        except RuntimeError as error:  # its poll, say: nothing is selected
+        except RuntimeError as error:  # for example, poll() fails because nothing is selected
             self.report({"WARNING"}, str(error))
             result = {"CANCELLED"}
         if "RUNNING_MODAL" in result:
@@ -56,31 +57,31 @@ class OBJECT_OT_rumple_paint_tool(ui_base.OnWrinkled, bpy.types.Operator):
         return bpy.ops.paint.weight_gradient("INVOKE_DEFAULT", type=self.tool)
 
     def modal(self, _context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
-        """In front of the gradient, which gets every event, until it ends."""
+        """It is in front of the gradient, which consumes every event, and waits for its end."""
         if event.type in ("ESC", "RIGHTMOUSE", "RET") or (event.type, event.value) == ("LEFTMOUSE", "RELEASE"):
             self._end()
             return {"FINISHED", "PASS_THROUGH"}
         return {"PASS_THROUGH"}
 
     def cancel(self, _context: bpy.types.Context) -> None:
-        """Another file, or the window is closed."""
+        """Called when another file is opened, or the window is closed."""
         self._end()
 
     def _end(self) -> None:
-        """The folds are shown again, by a timer: what ends now still looks at the coarse mesh."""
+        """Show the folds again, by a timer, because the ending tool still needs the coarse mesh."""
         weight_paint.ask_for_coarse(False)
         scheduler.tag_soon({self._obj})
 
 
 def _tool_of(item: bpy.types.KeyMapItem) -> str:
-    """What a key of Blender's runs, of ours; empty for others."""
+    """The tool of one of Blender's key map items, if it is one of ours; otherwise empty."""
     if item.idname == "paint.weight_gradient":
         return item.properties.type
     return {"paint.weight_sample": "SAMPLE", "paint.weight_sample_group": "SAMPLE_GROUP"}.get(item.idname, "")
 
 
 def _add_keys() -> None:
-    """Where Blender's own are, in front of them."""
+    """Add the same keys as Blender's own, with priority over them."""
     configs = bpy.context.window_manager.keyconfigs
     own = configs.default.keymaps.get(KEYMAP)
     if own is None or configs.addon is None or _keys:
@@ -98,7 +99,7 @@ _register, _unregister = bpy.utils.register_classes_factory((OBJECT_OT_rumple_pa
 
 def register() -> None:
     _register()
-    if not bpy.app.background:  # Blender's own keys may come after the add-on
+    if not bpy.app.background:  # Blender's own keys may be registered after the add-on
         bpy.app.timers.register(_add_keys, first_interval=0.1, persistent=True)
 
 
