@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What is drawn in viewports by Blender's gpu module."""
+"""Drawing in viewports with Blender's gpu module."""

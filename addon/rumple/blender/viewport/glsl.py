@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""GLSL of the folder shaders/: read from the package, joined in Python (Blender's GLSL has no #include of ours)."""
+"""The GLSL files of the folder shaders/. They are joined in Python, because Blender's GLSL cannot include our files."""
 from __future__ import annotations
 
 import os
 from functools import lru_cache
 from pathlib import Path
 
-# Beside the add-on's modules in what artists install, at the top of the source tree.
+# In the installed add-on the folder is beside its modules, in the source tree at the top.
 _FOLDERS = tuple(Path(os.path.abspath(__file__)).parents[up] / "shaders" for up in (2, 4))
 FORMULAS = ("shared/tangents", "shared/wrinkle_field")  # of the Wrinkle Field
 FOLDS = ("shared/pn_triangle", "shared/wrinkle_paths")  # of the Wrinkle Paths

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the previews share on the GPU: arrays as RGBA32F textures, passes over them, shaders that draw, and layers.
+"""GPU helpers shared by the previews: arrays as RGBA32F textures, passes over them, drawing shaders, and layers.
 
-Arrays are wrapped by rows (shaders/preview/texels.glsl). Everything here needs a drawing context: never call it in
-background mode, nor outside the main thread.
+Arrays are wrapped by rows (shaders/preview/texels.glsl). All functions need a drawing context. Never call them in
+background mode or outside the main thread.
 """
 from __future__ import annotations
 
@@ -15,10 +15,10 @@ import numpy as np
 from ...core.engine import UserError
 from . import glsl
 
-_WIDTH = 1024  # texels in a row of an array; any number does
+_WIDTH = 1024  # texels in a row of an array; any number works
 _FORMAT = "RGBA32F"
-_MOST_SIZES = 4  # of viewports whose layers are kept
-_BUFFER_STEP = 1 << 20  # floats by which the buffer for overlays grows, 512 x 512 pixels
+_MOST_SIZES = 4  # number of viewport sizes whose layers are kept
+_BUFFER_STEP = 1 << 20  # floats: step size of the buffer for overlays, 512 x 512 pixels
 OVERLAY_CONSTANTS = (("IVEC2", "overlays_corner"), ("INT", "overlays_are_linear"))  # of under_overlays.glsl
 _COMPOSED = ("layer", "layer_depth", "proxy_depth")
 
@@ -30,7 +30,7 @@ def _shape(count: int) -> tuple[int, int]:
 
 
 def upload(values: np.ndarray) -> gpu.types.GPUTexture:
-    """(n, k) numbers, k up to 4, as a texture; what is left of a texel is zero."""
+    """(n, k) numbers, k up to 4, as a texture. Unused channels of a texel are zero."""
     values = np.asarray(values, np.float32)
     width, height = _shape(len(values))
     texels = np.zeros((width * height, 4), np.float32)
@@ -49,19 +49,19 @@ class Target:
         self.frame_buffer = gpu.types.GPUFrameBuffer(color_slots=tuple(self.textures))
 
     def read(self, texture: int = 0) -> np.ndarray:
-        """Its (count, 4) float32. Waits for the GPU: for tests."""
+        """Its (count, 4) float32. It waits for the GPU, so it is only for tests."""
         return read(self.textures[texture], self.count)
 
 
 def read(texture: gpu.types.GPUTexture, count: int) -> np.ndarray:
     """The first (count, 4) float32 of a texture."""
     buffer = texture.read()
-    buffer.dimensions = texture.width * texture.height * 4  # 4.3 has wrong strides with more dimensions than one
+    buffer.dimensions = texture.width * texture.height * 4  # 4.3 has wrong strides with more than one dimension
     return np.array(buffer, np.float32).reshape(-1, 4)[:count]
 
 
 def vertex_buffer(**columns: np.ndarray) -> gpu.types.GPUVertBuf:
-    """Of columns by name, (n,) or (n, k), int32 or float32."""
+    """A buffer from columns by name, (n,) or (n, k), int32 or float32."""
     layout = gpu.types.GPUVertFormat()
     for name, values in columns.items():
         whole = values.dtype == np.int32
@@ -74,7 +74,7 @@ def vertex_buffer(**columns: np.ndarray) -> gpu.types.GPUVertBuf:
 
 
 def whole() -> gpu.types.GPUBatch:
-    """A triangle that covers all of a target."""
+    """A triangle that covers the whole target."""
     return gpu.types.GPUBatch(type="TRIS", buf=vertex_buffer(corner=np.array([(-1, -1), (3, -1), (-1, 3)], np.float32)))
 
 
@@ -84,7 +84,8 @@ class Pass:
 
     def __init__(self, source: str, inputs: tuple[str, ...], outputs: tuple[str, ...],
                  constants: tuple[tuple[str, str], ...] = ()) -> None:
-        """source: GLSL with main(). inputs: names of its arrays. outputs: of its vec4s. constants: (type, name)."""
+        """source: GLSL with main(). inputs: names of its arrays. outputs: names of its vec4s. constants: (type,
+        name)."""
         info = gpu.types.GPUShaderCreateInfo()
         for slot, name in enumerate(inputs):
             info.sampler(slot, "FLOAT_2D", name)
@@ -99,7 +100,7 @@ class Pass:
         self._batch = whole()
 
     def run(self, target: Target, inputs: dict[str, gpu.types.GPUTexture], **constants: Any) -> None:
-        """Write every texel of the target. The caller has switched depth test and blending off."""
+        """Write every texel of the target. The caller must switch depth test and blending off."""
         with target.frame_buffer.bind():
             self._shader.bind()
             for name, texture in inputs.items():
@@ -115,7 +116,7 @@ class Pass:
 
 
 def plain_state() -> None:
-    """Drawing state in which passes run."""
+    """Set the drawing state for passes."""
     gpu.state.blend_set("NONE")
     gpu.state.depth_test_set("NONE")
     gpu.state.depth_mask_set(False)
@@ -127,49 +128,49 @@ _kept: dict[str, Any] = {}
 
 
 def kept(name: str, make: Callable[[], Any]) -> Any:
-    """What make() gives, made when it is first asked for."""
+    """The result of make(), which is called only the first time."""
     if name not in _kept:
         _kept[name] = make()
     return _kept[name]
 
 
 def forget() -> None:
-    """Free all that is kept. In the main thread."""
+    """Free all kept data. Call it in the main thread."""
     _kept.clear()
 
 
 def blank() -> gpu.types.GPUTexture:
-    """A white texel, for samplers that have nothing to read."""
+    """A white texel, for samplers without data."""
     return kept("blank", lambda: upload(np.ones((1, 4), np.float32)))
 
 
 @dataclass(frozen=True)
 class Overlays:
-    """What stays over what is drawn (shaders/preview/under_overlays.glsl)."""
+    """Blender's overlays, which stay visible over the drawing (shaders/preview/under_overlays.glsl)."""
 
     texture: gpu.types.GPUTexture
-    corner: tuple[int, int] = (0, 0)  # pixel of the viewport that its first texel is
-    are_linear: bool = False  # else in sRGB
+    corner: tuple[int, int] = (0, 0)  # viewport pixel of its first texel
+    are_linear: bool = False  # otherwise in sRGB
 
     def bind(self, shader: gpu.types.GPUShader) -> None:
-        """Hand it to a shader that is bound."""
+        """Pass it to a bound shader."""
         shader.uniform_sampler("overlays", self.texture)
         shader.uniform_int("overlays_corner", self.corner)
         shader.uniform_int("overlays_are_linear", int(self.are_linear))
 
 
 def backend() -> str:
-    """"OPENGL", "METAL" or "VULKAN". Blender 3.4 knows no word for it, and has the first only."""
+    """"OPENGL", "METAL" or "VULKAN". Blender 3.4 has no function for this, and only OpenGL."""
     return gpu.platform.backend_type_get() if hasattr(gpu.platform, "backend_type_get") else "OPENGL"
 
 
 def no_overlays() -> Overlays:
-    """In place of overlays(), where there are none."""
+    """Empty overlays, instead of overlays()."""
     return Overlays(kept("no overlays", lambda: upload(np.zeros((1, 4), np.float32))))
 
 
 def _read_buffer(count: int) -> gpu.types.Buffer:
-    """A buffer for that many floats or more, the same each time: memory that is new costs more than what is read into
+    """A buffer for at least this number of floats. It is reused, because allocating memory costs more than reading into
     it."""
     buffer = _kept.get("read buffer")
     if buffer is None or len(buffer) < count:
@@ -178,17 +179,18 @@ def _read_buffer(count: int) -> gpu.types.Buffer:
 
 
 def overlays(box: tuple[int, int, int, int]) -> Overlays:
-    """What the bound frame buffer has in a box of its viewport: in a draw handler of a 3D viewport, what Blender has
-    drawn over the scene. Blender blends with no factor that puts a colour under another, so they are read: the pixels
-    cross the bus, and the GPU is waited for. box: left, bottom, width, height, in pixels of the viewport."""
+    """The pixels of the bound frame buffer in a box of its viewport. In a draw handler of a 3D viewport these are
+    Blender's overlays over the scene. They must be read, because Blender has no blend mode that puts a colour under
+    another one. This copies pixels from the GPU and waits for it. box: left, bottom, width, height, in pixels of the
+    viewport."""
     left, bottom, width, height = box
     if width <= 0 or height <= 0:
         return no_overlays()
     from_left, from_bottom, _width, _height = gpu.state.viewport_get()
     colors = gpu.state.active_framebuffer_get().read_color(from_left + left, from_bottom + bottom, width, height, 4, 0,
                                                            "FLOAT", data=_read_buffer(4 * width * height))
-    are_linear = backend() == "VULKAN"  # reading makes them so; the others give what is stored
-    form = "RGBA16F" if are_linear else "RGBA8"  # eight bits are few for dark colours that are linear
+    are_linear = backend() == "VULKAN"  # reading converts to linear; the others return the stored value
+    form = "RGBA16F" if are_linear else "RGBA8"  # eight bits are too few for dark linear colours
     return Overlays(gpu.types.GPUTexture((width, height), format=form, data=colors), (left, bottom), are_linear)
 
 
@@ -199,8 +201,8 @@ def drawing_shader(between: gpu.types.GPUStageInterfaceInfo | None, vertex_in: t
                    outputs: tuple[tuple[str, str], ...] = (("VEC4", "out_color"),)) -> gpu.types.GPUShader:
     """A shader with the block of shaders/preview/preview_block.glsl.
 
-    vertex_in, constants, outputs: (type, name). vertex, fragment: files of the folder shaders/, behind those of texels,
-    of places on the screen and of light.
+    vertex_in, constants, outputs: (type, name). vertex, fragment: files of the folder shaders/, appended to those of
+    texels, screen positions and light.
     """
     info = gpu.types.GPUShaderCreateInfo()
     info.typedef_source(glsl.text("preview/preview_block"))
@@ -222,23 +224,23 @@ def drawing_shader(between: gpu.types.GPUStageInterfaceInfo | None, vertex_in: t
 
 # ---------------------------------------------------------------- layers
 class Layer:
-    """A picture with a depth of its own, which is its last texture: 0 where nothing is."""
+    """An image with its own depth, which is its last texture: 0 where nothing is drawn."""
 
     def __init__(self, size: tuple[int, int], colors: tuple[str, ...]) -> None:
-        """colors: formats of what is drawn, the last one R32F for the depth."""
+        """colors: formats of the images, the last one R32F for the depth."""
         self.textures = [gpu.types.GPUTexture(size, format=form) for form in colors]
         self._depth = gpu.types.GPUTexture(size, format="DEPTH_COMPONENT32F")
         self.frame_buffer = gpu.types.GPUFrameBuffer(depth_slot=self._depth, color_slots=tuple(self.textures))
 
     def drawn(self, paint: Callable[[], None]) -> None:
-        """What paint() draws, and nothing else."""
+        """Clear the layer and draw paint() into it."""
         with self.frame_buffer.bind():
             self.frame_buffer.clear(color=(0.0, 0.0, 0.0, 0.0), depth=1.0)
             paint()
 
 
 def layers(size: tuple[int, int]) -> tuple[Layer, Layer]:
-    """For a drawing with its light, and for what Blender draws in its place."""
+    """One for a drawing with its light, and one for the proxy that Blender draws."""
     found = kept("layers", dict)
     if size not in found:
         if len(found) >= _MOST_SIZES:
@@ -248,7 +250,7 @@ def layers(size: tuple[int, int]) -> tuple[Layer, Layer]:
 
 
 def composite_layer(layer: Layer, proxy: Layer, over: Overlays, origin: tuple[int, int]) -> None:
-    """Into the bound frame buffer, whose viewport begins at origin. over: overlays()."""
+    """Draw a layer into the bound frame buffer, whose viewport starts at origin. over: from overlays()."""
     shader, batch = kept("composite layer", _composite_shader), kept("whole", whole)
     shader.bind()
     for name, texture in zip(_COMPOSED, (*layer.textures, *proxy.textures)):
@@ -271,7 +273,7 @@ def _composite_shader() -> gpu.types.GPUShader:
         info.depth_write("ANY")
     elif backend() == "METAL":
         raise UserError("GPU Preview of Wrinkle Paths needs a later Blender on macOS: the fine mesh is shown")
-    else:  # 4.3 cannot be told, and declares that the shader leaves depth as it is: NVIDIA's driver goes by that
+    else:  # 4.3 itself declares that the shader keeps the depth, and NVIDIA's driver relies on this
         info.define("depth_unchanged", "depth_any")
     info.vertex_source(glsl.source("preview/pass_vertex"))
     info.fragment_source(glsl.source("preview/under_overlays", "preview/composite_layer"))

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the Wrinkle Paths go by, over the garment in the viewport: the coarse triangles in the colours of their labels,
-and on each what became of a circle drawn on its reference triangle.
+"""Overlay of the data that Wrinkle Paths depend on: the coarse triangles in the colours of their labels, and on each
+triangle the deformation of a circle on its reference triangle.
 
-It looks at what the handlers solved last and never solves. Off in background mode and while a render runs.
+It shows the last solved frame and never solves. It is off in background mode and while a render runs.
 """
 from __future__ import annotations
 
@@ -17,18 +17,18 @@ from .. import compat, scheduler
 from ..objects import mesh_reader, modifier, runtimes
 from .draw_handler import DrawHandler
 
-# By label: being compressed, at rest, being stretched.
+# By label: compressed, at rest, stretched.
 COLOURS = np.array(((0.10, 0.30, 1.0), (0.10, 0.65, 0.20), (1.0, 0.12, 0.10)), np.float32)
 PALE = 0.6  # share of white in the ellipses
-ELLIPSE_OVER_FACE = 2.0  # opacity of the ellipses over that of the triangles
-CORNERS = 16  # of an ellipse
-NEARER = 0.02  # share of the way to the viewer that it is drawn nearer, so that folds do not hide it
+ELLIPSE_OVER_FACE = 2.0  # opacity of the ellipses / opacity of the triangles
+CORNERS = 16  # number of corners of an ellipse
+NEARER = 0.02  # share of the distance by which it is moved to the viewer, so that folds do not hide it
 
-_drawn: dict[int, tuple[runtimes.Inputs, float, Any]] = {}  # by session key: what the batch was made from, the batch
+_drawn: dict[int, tuple[runtimes.Inputs, float, Any]] = {}  # session key -> (inputs, opacity, batch)
 
 
 def shown_objects() -> Iterator[tuple[bpy.types.Object, runtimes.Runtime]]:
-    """Objects whose overlay is on and has a solved frame to show."""
+    """Objects whose overlay is on, with a solved frame."""
     for obj, nodes_mod in modifier.wrinkled_objects():
         if obj.rumple.method != "PATHS" or not obj.rumple.paths.show_overlay:
             continue
@@ -41,7 +41,7 @@ def shown_objects() -> Iterator[tuple[bpy.types.Object, runtimes.Runtime]]:
 
 def faces(corners: np.ndarray, labels: np.ndarray, ellipses: np.ndarray,
           opacity: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """(points (v, 3), colours (v, 4), triangles (f, 3)): the triangles, and before them their ellipses.
+    """(points (v, 3), colours (v, 4), triangles (f, 3)) of the triangles, and in front of them their ellipses.
 
     corners: (t, 3, 3); labels: (t,); ellipses: (t, 9), centre and two semi-axes. opacity: of the triangles, 0 to 1.
     """
@@ -60,14 +60,14 @@ def faces(corners: np.ndarray, labels: np.ndarray, ellipses: np.ndarray,
 
 
 def _repeated(colours: np.ndarray, alpha: float, labels: np.ndarray, times: int) -> np.ndarray:
-    """(times t, 4): the colour of every label, for so many points each."""
+    """(times t, 4): the colour of every label, repeated for each of its points."""
     with_alpha = np.concatenate([colours, np.full((len(colours), 1), alpha, np.float32)], 1)
     return np.repeat(with_alpha[labels], times, axis=0).astype(np.float32)
 
 
 # ---------------------------------------------------------------- drawing
 def _draw_all() -> None:
-    """The draw handler. Never waits for a solve."""
+    """The draw handler. It never waits for a solve."""
     space = bpy.context.space_data
     if scheduler.rendering() or space is None or space.type != "VIEW_3D" or not space.overlay.show_overlays:
         return
@@ -85,11 +85,11 @@ def _draw_all() -> None:
 
 
 def _batch(key: int, runtime: runtimes.Runtime, opacity: float) -> Any:
-    """Of the frame that was solved last; made anew when that is another."""
+    """The batch of the last solved frame. It is rebuilt if the frame has changed."""
     inputs = runtime.inputs
     drawn = _drawn.get(key)
     if drawn is None or drawn[0] is not inputs or drawn[1] != opacity:
-        import gpu  # not at the top: it needs a window in 3.4
+        import gpu  # not at the top, because 3.4 needs a window for it
         from gpu_extras.batch import batch_for_shader
         fine = runtime.evaluator
         assert isinstance(fine, WrinklePaths)
@@ -108,7 +108,7 @@ def _draw(obj: bpy.types.Object, batch: Any) -> None:
     wrote_depth = gpu.state.depth_mask_get()
     gpu.state.blend_set("ALPHA")
     gpu.state.depth_test_set("LESS_EQUAL")
-    gpu.state.depth_mask_set(False)  # else triangles hide their ellipses
+    gpu.state.depth_mask_set(False)  # otherwise triangles hide their ellipses
     try:
         with gpu.matrix.push_pop():
             gpu.matrix.load_matrix(nearer @ gpu.matrix.get_model_view_matrix() @ obj.matrix_world)

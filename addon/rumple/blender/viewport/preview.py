@@ -1,14 +1,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The GPU preview: wrinkles drawn in Solid viewports, on the graphics card, by Blender's gpu module.
+"""The GPU preview: wrinkles in Solid viewports, drawn on the graphics card by Blender's gpu module.
 
-All of it happens in a viewport draw handler: in the main thread, with a drawing context. What a system draws is in
-preview_field.py and preview_paths.py. Off in background mode and while a render runs.
+Everything runs in a viewport draw handler: in the main thread, with a drawing context. The drawings of the systems are
+in preview_field.py and preview_paths.py. The preview is off in background mode and while a render runs.
 
 The waves of a Wrinkle Field are drawn over Blender's own triangles. While all viewports draw them (uses_proxy()), the
-handlers write no attributes for shaders, and a frame that the GPU goes on to by itself is not solved on the CPU until
-somebody asks for it (core/frame_cache.py).
-The folds of Wrinkle Paths change the shape: while all viewports draw them (uses_proxy()), the handlers leave out the
-fine mesh, and Blender has a coarse mesh just under the drawn surface, for depth, outlines and clicks.
+handlers write no attributes for shaders. A frame that the GPU computes from the frame before is solved on the CPU only
+when its result is needed (core/frame_cache.py). The folds of Wrinkle Paths change the shape. While all viewports draw
+them (uses_proxy()), the handlers do not write the fine mesh. Blender then has a coarse mesh just under the drawn
+surface, for depth, outlines and clicks.
 """
 from __future__ import annotations
 
@@ -27,42 +27,44 @@ from ..objects import bodies, incoming_mesh, messages, modifier, runtimes, viewp
 from . import gpu_arrays, preview_field, preview_paths, studio_light
 from .draw_handler import DrawHandler
 
-# How much nearer than Blender's own triangles ours lie: a share of the distance, or of the object's size. Enough for
-# the differences of depth that its anti-aliasing makes, less than the thickness of a lined coat at arm's length.
+# How much nearer our triangles are drawn than Blender's: a share of the distance, or of the object's size. It is larger
+# than the depth differences caused by Blender's anti-aliasing, and smaller than the thickness of a lined coat at arm's
+# length.
 _NEARER = 1e-3
-_FOLDS = 0.05  # how far the drawn surface leaves its coarse mesh at most, over the longest side of that
+_FOLDS = 0.05  # largest distance of the drawn surface from its coarse mesh / the longest side of the mesh
 
 
 class Drawing(Protocol):
-    """What a system draws of one object. Made, updated and drawn in a draw handler."""
+    """A system's drawing of one object. It is created, updated and drawn in a draw handler."""
 
-    has_uv: bool  # images can be shown
+    has_uv: bool  # whether images can be shown
 
     def __init__(self, model: Any) -> None:
-        """model: of the system."""
+        """model: model of the system."""
 
     def update(self, obj: bpy.types.Object, runtime: runtimes.Runtime, before: runtimes.Inputs | None,
                slots: np.ndarray) -> bool:
-        """Bring the GPU to runtime.inputs, which are new; before: what it holds. False where nothing is to be drawn.
+        """Update the GPU to runtime.inputs, which are new; before: the inputs on the GPU. Returns False if there is
+        nothing to draw.
 
         slots: (t,) material slot of every triangle of the mesh.
         """
 
     def shader(self) -> gpu.types.GPUShader:
-        """Of gpu_arrays.drawing_shader()."""
+        """A shader from gpu_arrays.drawing_shader()."""
 
     def arrays(self) -> dict[str, gpu.types.GPUTexture]:
-        """What its samplers read."""
+        """The textures of its samplers."""
 
     def slots(self) -> list[int]:
-        """Material slots with something to draw."""
+        """The material slots with something to draw."""
 
     def present(self, paint: Callable[[], None], over: gpu_arrays.Overlays, block: gpu.types.GPUUniformBuf) -> None:
-        """Bring to the viewport what paint() draws, under what is `over` it (gpu_arrays.overlays()); block: where the
-        object and the viewer are."""
+        """Show the drawing of paint() in the viewport, under the overlays `over` (gpu_arrays.overlays()). block: the
+        transforms of object and viewer."""
 
     def draw(self, shader: gpu.types.GPUShader, slot: int) -> None:
-        """Draw what has this slot; shader, arrays, image and block are bound."""
+        """Draw the triangles with this slot. Shader, arrays, image and block are bound."""
 
 
 _DRAWINGS: dict[str, type[Drawing]] = {"FIELD": preview_field.Drawing, "PATHS": preview_paths.Drawing}
@@ -70,12 +72,12 @@ _DRAWINGS: dict[str, type[Drawing]] = {"FIELD": preview_field.Drawing, "PATHS": 
 
 @dataclass
 class _OnGpu:
-    """An object on the GPU."""
+    """An object's data on the GPU."""
 
-    model: Any  # that the rest is made for
+    model: Any  # the model that the drawing belongs to
     drawing: Drawing | None = None
-    refusal: str = ""  # why it is not drawn, and not tried again
-    inputs: runtimes.Inputs | None = None  # what the GPU holds
+    refusal: str = ""  # why it is not drawn; it is not tried again
+    inputs: runtimes.Inputs | None = None  # the inputs of the data on the GPU
 
 
 REFUSED = "The graphics driver refuses the GPU Preview (the console says why): the fine mesh is shown"
@@ -84,14 +86,14 @@ _on_gpu: dict[int, _OnGpu] = {}  # by session key
 
 
 def _clear() -> None:
-    """Free all that is on the GPU. In the main thread."""
+    """Free all data on the GPU. Call it in the main thread."""
     _on_gpu.clear()
     gpu_arrays.forget()
 
 
 # ---------------------------------------------------------------- what is shown
 def _is_wanted(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier) -> bool:
-    """Whether the preview of an object is on and its mode and modifier let it be seen."""
+    """Whether the preview of an object is on, and its mode and modifier allow it."""
     group = getattr(obj.rumple, {"FIELD": "field", "PATHS": "paths"}.get(obj.rumple.method, ""), None)
     runtime = runtimes.known(obj)
     return (group is not None and group.gpu_preview and getattr(group, "output", "SHADING") == "SHADING"
@@ -100,7 +102,7 @@ def _is_wanted(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier) -> boo
 
 
 def shown_objects() -> Iterator[tuple[bpy.types.Object, runtimes.Runtime]]:
-    """Objects whose preview is on and has a solved frame to show."""
+    """Objects whose preview is on, with a solved frame."""
     for obj, nodes_mod in modifier.wrinkled_objects():
         runtime = runtimes.known(obj)
         if (runtime is not None and runtime.inputs is not None and runtime.evaluator is not None
@@ -113,8 +115,8 @@ def _draws_in(space: bpy.types.SpaceView3D) -> bool:
 
 
 def _mesh_is_read(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier) -> bool:
-    """Whether more than the viewport's material needs the output mesh of a Wrinkle Field: it lies on a base cloth or
-    a body, whose offsets are in it; or nodes behind it may read its attributes."""
+    """Whether the output mesh of a Wrinkle Field is needed for more than the viewport's material: it has the offsets of
+    a base cloth or a body, or nodes behind it may read its attributes."""
     if obj.rumple.method != "FIELD":
         return False
     behind = list(obj.modifiers)[list(obj.modifiers).index(nodes_mod) + 1:]
@@ -123,10 +125,9 @@ def _mesh_is_read(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier) -> 
 
 
 def uses_proxy(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier) -> bool:
-    """Whether viewports draw the wrinkles of an object themselves, all that are open, so that none needs what is
-    solved for its output mesh.
+    """Whether all open viewports draw the wrinkles of an object themselves, so that none needs a solved output mesh.
 
-    Never in background mode; in the main thread.
+    Never in background mode. Call it in the main thread.
     """
     if (not handler.added or viewport_mesh.is_paused() or not _is_wanted(obj, nodes_mod)
             or _mesh_is_read(obj, nodes_mod)):
@@ -140,19 +141,19 @@ def uses_proxy(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier) -> boo
 
 
 def refusal(obj: bpy.types.Object) -> str:
-    """Why the preview of an object is on and not drawn, or nothing."""
+    """Why the preview of an object is on but not drawn; empty if there is no reason."""
     on_gpu = _on_gpu.get(compat.session_key(obj))
     return on_gpu.refusal if on_gpu is not None else ""
 
 
 # ---------------------------------------------------------------- drawing
 def _draw() -> None:
-    """The draw handler. Never waits for a solve."""
+    """The draw handler. It never waits for a solve."""
     space = bpy.context.space_data
     if scheduler.rendering() or space is None or space.type != "VIEW_3D":
         return
     if not scheduler.LOCK.acquire(blocking=False):
-        return  # somebody solves: the next redraw shows it
+        return  # another thread is solving: the next redraw shows the result
     try:
         _ask_for_meshes()
         shown = {compat.session_key(obj): (obj, runtime) for obj, runtime in shown_objects()}
@@ -166,8 +167,8 @@ def _draw() -> None:
 
 
 def _ask_for_meshes() -> None:
-    """Another shading of a viewport updates nothing, nor does another tool: let objects be evaluated that should have
-    another mesh now."""
+    """Tag objects that now need another mesh, because Blender updates nothing when a viewport's shading or the tool
+    changes."""
     for obj, nodes_mod in modifier.wrinkled_objects():
         runtime = runtimes.known(obj)
         if runtime is None or runtime.inputs is None:
@@ -176,7 +177,7 @@ def _ask_for_meshes() -> None:
         if obj.rumple.method not in _DRAWINGS:
             continue
         over = uses_proxy(obj, nodes_mod)
-        if over != runtime.asked_for_proxy:  # once: what cannot be evaluated now is not asked for again
+        if over != runtime.asked_for_proxy:  # only once, in case that it cannot be evaluated now
             runtime.asked_for_proxy = over
             if over != runtime.inputs.uses_proxy:
                 scheduler.tag_soon({obj.name})
@@ -191,7 +192,7 @@ def _ask_for_coarse(obj: bpy.types.Object, runtime: runtimes.Runtime) -> None:
 
 
 def _draw_all(shown: list[tuple[bpy.types.Object, runtimes.Runtime, int]], space: bpy.types.SpaceView3D) -> None:
-    """Objects with their session keys, in one viewport."""
+    """Draw objects, given with their session keys, in one viewport."""
     if not shown:
         return
     over = _overlays(space, shown)
@@ -201,7 +202,7 @@ def _draw_all(shown: list[tuple[bpy.types.Object, runtimes.Runtime, int]], space
 
 def _overlays(space: bpy.types.SpaceView3D,
               shown: list[tuple[bpy.types.Object, runtimes.Runtime, int]]) -> gpu_arrays.Overlays:
-    """What stays over the previews. Where a driver does not let it be read, they are drawn over it."""
+    """The overlays over the previews. If a driver cannot read them, the previews are drawn over them."""
     if space.overlay.show_overlays:
         with messages.console_errors("overlays over the GPU preview"):
             return gpu_arrays.overlays(_box(shown))
@@ -209,8 +210,8 @@ def _overlays(space: bpy.types.SpaceView3D,
 
 
 def _box(shown: list[tuple[bpy.types.Object, runtimes.Runtime, int]]) -> tuple[int, int, int, int]:
-    """What of the viewport the objects are drawn in: left, bottom, width, height, in its pixels. All of it where some
-    are behind the viewer."""
+    """The part of the viewport with the objects: left, bottom, width, height, in pixels. The whole viewport if some are
+    behind the viewer."""
     _left, _bottom, width, height = gpu.state.viewport_get()
     to_screen = gpu.matrix.get_projection_matrix() @ gpu.matrix.get_model_view_matrix()
     places = []
@@ -239,7 +240,7 @@ def _draw_guarded(obj: bpy.types.Object, runtime: runtimes.Runtime, key: int, sh
     try:
         if _update(obj, runtime, on_gpu):
             _draw_object(obj, on_gpu, shading, over)
-    except Exception as error:  # what a driver refuses, say: once in the console, and Blender's own picture stays
+    except Exception as error:  # e.g. a driver's error: printed once, and Blender's own drawing stays visible
         on_gpu.refusal = str(error) if isinstance(error, UserError) else REFUSED
         scheduler.tag_soon({obj.name})
         scheduler.redraw_panels_soon()
@@ -252,7 +253,7 @@ def _draw_guarded(obj: bpy.types.Object, runtime: runtimes.Runtime, key: int, sh
 
 
 def _update(obj: bpy.types.Object, runtime: runtimes.Runtime, on_gpu: _OnGpu) -> bool:
-    """Bring the GPU from what it holds to the frame that was solved last. False where there is none."""
+    """Update the GPU to the last solved frame. Returns False if there is nothing to draw."""
     if runtime.inputs is on_gpu.inputs:
         return True
     gpu_arrays.plain_state()
@@ -266,7 +267,7 @@ def _update(obj: bpy.types.Object, runtime: runtimes.Runtime, on_gpu: _OnGpu) ->
 
 
 def _material_slots(obj: bpy.types.Object, polygons: np.ndarray) -> np.ndarray:
-    """Of every triangle, (t,) int32. polygons: (t,) those that the triangles are of."""
+    """The slot of every triangle, (t,) int32. polygons: (t,) the triangles' polygons."""
     coarse = incoming_mesh.of(obj).polygons
     slots = np.zeros(len(coarse), np.int32)
     coarse.foreach_get("material_index", slots)

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The Wrinkle Field on the GPU: the passes of Loviscach 2006, figure 2, over RGBA32F textures.
 
-One texel per welded vertex. Only the deformed positions and normals cross the bus for a frame.
+One texel per welded vertex. Per frame, only the deformed positions and normals are uploaded.
 """
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from ..objects import runtimes, units
 from . import glsl, gpu_arrays
 from .gpu_arrays import Pass, Target, upload
 
-_NEVER = 1e30  # an offset that no link has: as if it had never been relaxed
+_NEVER = 1e30  # an impossible offset: the link counts as never relaxed
 
 
 class Passes:
@@ -42,7 +42,7 @@ class Passes:
 
 # ---------------------------------------------------------------- the field of one object
 class GpuField:
-    """The textures of one object: what the rest pose, the settings and the paint fix, and the state."""
+    """The textures of one object: values that depend only on rest pose, settings and paint, and the state."""
 
     def __init__(self, passes: Passes, model: Any, true_lengths: bool = True) -> None:
         """model: WrinkleFieldModel. Cost: O(edges), once."""
@@ -54,11 +54,11 @@ class GpuField:
         self._has_frame = model.tangent_rest.any(axis=1)
         owners = np.repeat(np.arange(self.vertex_count), self._counts)
         self._neighbours = upload(np.column_stack((neighbours, model.gradients, owners)))
-        self._links = [Target(len(neighbours), 2) for _ in range(2)]  # ping-pong: link reads what it solved before
+        self._links = [Target(len(neighbours), 2) for _ in range(2)]  # ping-pong: link reads its former result
         self._activities = Target(self.vertex_count)
-        self._waves = [Target(self.vertex_count, 2) for _ in range(2)]  # two: estimate_waves reads the k of before
+        self._waves = [Target(self.vertex_count, 2) for _ in range(2)]  # two, because estimate_waves reads the former k
         self._dissolved = Target(self.vertex_count)
-        self._phases = [Target(self.vertex_count) for _ in range(2)]  # ping-pong, as figure 2 has it
+        self._phases = [Target(self.vertex_count) for _ in range(2)]  # ping-pong, as in figure 2
         self._fans = Target(1, 2)
         self._fan_arrays: tuple | None = None
         if len(model.uv_fan):
@@ -94,7 +94,7 @@ class GpuField:
         self._vertices = upload(np.column_stack((self._first, self._counts, self._wavelength, mask)))
 
     def begin(self, phase: np.ndarray, direction: np.ndarray, solved_offset: np.ndarray | None = None) -> None:
-        """The state of the frame before, as a WrinkleFieldState has it. Without solved_offset no vertex is held."""
+        """Set the state of the frame before, from a WrinkleFieldState. Without solved_offset no vertex sleeps."""
         self._start_phase, self._start_direction = upload(phase[:, None]), upload(direction)
         if solved_offset is None:
             self.hold_none()
@@ -102,16 +102,16 @@ class GpuField:
             self._start_solved = upload(solved_offset[:, None])
 
     def hold_none(self) -> None:
-        """Let no vertex be held in the next frame."""
+        """Let no vertex sleep in the next frame."""
         self._start_solved = upload(np.full((self._links[0].count, 1), _NEVER, np.float32))
 
     def pose(self, positions: np.ndarray, normals: np.ndarray, stretches: np.ndarray | None = None,
              place: np.ndarray | None = None) -> None:
-        """Welded vertices of this frame, (w, 3) both. All that a frame uploads, unless the rest shape adapts, or the
-        waves lie on a base cloth.
+        """Upload this frame's welded vertices, both (w, 3). A frame uploads more only if the rest shape adapts or the
+        waves are on a base cloth.
 
-        stretches: (w, 3) of reference_stretches of the native side; empty or None where it does not.
-        place: (w,) of WrinkleField.share_with_place(); None: all.
+        stretches: (w, 3), reference_stretches of the native side; empty or None if the rest shape does not adapt.
+        place: (w,) from WrinkleField.share_with_place(); None: 1 everywhere.
         """
         if place is not None:
             self._upload_vertices(self._mask * place)
@@ -119,7 +119,7 @@ class GpuField:
         self._stretches = upload(stretches) if stretches is not None and len(stretches) else None
 
     def estimate_waves(self) -> None:
-        """Section 4.2, then what relax() needs of it. Cost: O(edges)."""
+        """Section 4.2, and the inputs of relax(). Cost: O(edges)."""
         before = self._start_direction or self._waves[0].textures[1]
         self._start_direction = None
         self._waves.reverse()
@@ -140,7 +140,7 @@ class GpuField:
         self._passes.activity.run(self._activities, {"vertices": self._vertices, "solved": self._links[0].textures[1]})
 
     def relax(self, rounds: int) -> None:
-        """So many rounds of equation (6). Cost: O(rounds x edges)."""
+        """This number of rounds of equation (6). Cost: O(rounds x edges)."""
         for _ in range(rounds):
             self._passes.relax.run(self._phases[1], {
                 "vertices": self._vertices, "links": self._links[0].textures[0],
@@ -149,14 +149,14 @@ class GpuField:
             self._start_phase = None
 
     def dissolve(self) -> None:
-        """What is drawn of the waves, where the settings ask for it; after relax(). Cost: O(edges)."""
+        """Fade drawn waves, if the settings ask for it; after relax(). Cost: O(edges)."""
         if self._dissolves:
             self._passes.dissolve.run(self._dissolved, {
                 "vertices": self._vertices, "links": self._links[0].textures[0], "waves": self._waves[0].textures[0],
                 "phases": self.phases})
 
     def unfold(self) -> None:
-        """Gradients of the texture for parallax; nothing without a UV map. Cost: O(triangles)."""
+        """Gradients of the texture coordinates for parallax; nothing without a UV map. Cost: O(triangles)."""
         if self._fan_arrays is not None:
             fans, corners = self._fan_arrays
             self._passes.unfold.run(self._fans, {"fans": fans, "fan_corners": corners, "positions": self._positions})
@@ -201,10 +201,10 @@ class Drawing:
 
     def update(self, obj: bpy.types.Object, runtime: runtimes.Runtime, before: runtimes.Inputs | None,
                slots: np.ndarray) -> bool:
-        """All stages but the last.
+        """Run all stages except the last.
 
-        Where the engine solves a frame from the one before, the GPU does so by itself; after a jump, after a change at
-        the same frame and up to the clip's first frame it takes over the engine's state.
+        If the engine solves a frame from the one before, the GPU does so independently. After a jump, after a change at
+        the same frame, and until the clip's first frame it uploads the engine's state.
         """
         inputs, fine = runtime.inputs, runtime.evaluator
         assert isinstance(fine, WrinkleField)
@@ -233,7 +233,7 @@ class Drawing:
         return True
 
     def _collect_batches(self, slots: np.ndarray) -> None:
-        """A batch of separate triangles for every material slot that is used, when these changed."""
+        """Make a batch of separate triangles for every used material slot, if the slots have changed."""
         if self._slots is not None and np.array_equal(slots, self._slots):
             return
         self._slots = slots

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The Wrinkle Paths on the GPU: chapter 7 of Gillette 2015 without a tessellation stage, which Blender does not offer.
+"""The Wrinkle Paths on the GPU: chapter 7 of Gillette 2015 without a tessellation stage, because Blender has none.
 
-Triangles are cut by patterns that are made once, indexed grids of 1, 2, 4 .. 32 parts along an edge. A frame uploads
-the coarse vertices, the lists of section 7.2, and which triangle gets which pattern.
+Triangles are subdivided by patterns that are made once: indexed grids with 1, 2, 4 .. 32 parts along an edge. A frame
+uploads the coarse vertices, the lists of section 7.2, and the pattern of every triangle.
 """
 from __future__ import annotations
 
@@ -17,18 +17,18 @@ from ..objects import incoming_mesh, mesh_reader, runtimes
 from . import glsl, gpu_arrays
 from .gpu_arrays import upload
 
-PROFILES = ("SPLINE", "QUARTIC", "CIRCULAR_ARCS", "SINE")  # as shaders/shared/wrinkle_paths.glsl numbers them
-_MOST_SPOTS = 1 << 16  # vertices of a pattern laid out for several triangles
+PROFILES = ("SPLINE", "QUARTIC", "CIRCULAR_ARCS", "SINE")  # in the order of shaders/shared/wrinkle_paths.glsl
+_MOST_SPOTS = 1 << 16  # largest number of vertices of a pattern repeated for several triangles
 
 
 def spots(parts: int) -> np.ndarray:
-    """(n, 2) int32: the points of a triangle cut into so many parts, in steps towards corners 1 and 2."""
+    """(n, 2) int32: the points of a triangle with this number of parts per edge, in steps towards corners 1 and 2."""
     return np.array([(i, j) for j in range(parts + 1) for i in range(parts + 1 - j)], np.int32)
 
 
 def cells(parts: int) -> np.ndarray:
-    """(parts^2, 3) int32: its triangles, of spots()."""
-    row = np.cumsum([0, *range(parts + 1, 0, -1)])  # where the points with j steps begin
+    """(parts^2, 3) int32: its triangles, as indices into spots()."""
+    row = np.cumsum([0, *range(parts + 1, 0, -1)])  # index of the first point with j steps
     found = []
     for j in range(parts):
         for i in range(parts - j):
@@ -40,7 +40,7 @@ def cells(parts: int) -> np.ndarray:
 
 
 def _pattern(parts: int, count: int) -> gpu.types.GPUBatch:
-    """The pattern for so many triangles."""
+    """The pattern for this number of triangles."""
     points, triangles = spots(parts), cells(parts)
     which = np.repeat(np.arange(count, dtype=np.int32), len(points))
     buffer = gpu_arrays.vertex_buffer(spot=np.column_stack((which, np.tile(points, (count, 1)))))
@@ -50,7 +50,7 @@ def _pattern(parts: int, count: int) -> gpu.types.GPUBatch:
 
 
 def runs(first: int, count: int, parts: int) -> list[tuple[int, int]]:
-    """(first, count) of draws with few different counts: powers of two, so that patterns serve again."""
+    """(first, count) of draws with few different counts: powers of two, so that patterns can be reused."""
     found, most = [], 1 << max(_MOST_SPOTS // len(spots(parts)), 1).bit_length() - 1
     while count:
         size = min(1 << count.bit_length() - 1, most)
@@ -87,18 +87,18 @@ class Drawing:
         self._arrays = {"triangles": upload(model.triangle_vertex)}
         corners = np.indices((len(model.triangle_vertex), 3), np.int32).reshape(2, -1).T
         self._proxy = gpu.types.GPUBatch(type="TRIS", buf=gpu_arrays.vertex_buffer(spot=corners))
-        self._groups: dict[int, list[tuple[int, int, int]]] = {}  # by material slot: parts, first patch, patches
+        self._groups: dict[int, list[tuple[int, int, int]]] = {}  # material slot -> (parts, first patch, patches)
         self.has_uv = False
 
     def update(self, obj: bpy.types.Object, runtime: runtimes.Runtime, _before: runtimes.Inputs | None,
                slots: np.ndarray) -> bool:
-        """Upload what was solved last."""
+        """Upload the last solved frame."""
         if not isinstance(runtime.result, engine.PreviewFrame):
             return False
         drawing = runtime.result.drawing
         uv = mesh_reader.render_uv(incoming_mesh.of(obj))
         corners = runtime.evaluator.coarse_triangles()[0].ravel()
-        # An edited mesh may have lost some of these, until the wrinkles are made anew.
+        # An edited mesh may have fewer corners until the wrinkles are rebuilt.
         self.has_uv = uv is not None and corners.max(initial=-1) < len(uv)
         self._profile, self._curved = PROFILES.index(runtime.inputs.settings.profile), float(drawing.curved)
         self._arrays.update(
@@ -109,7 +109,7 @@ class Drawing:
         return True
 
     def _collect_patches(self, drawing: Any, slots: np.ndarray) -> gpu.types.GPUTexture:
-        """The triangles by material slot and by parts, as shaders/preview/paths_vertex.glsl reads them."""
+        """The triangles, ordered by material slot and parts, as shaders/preview/paths_vertex.glsl reads them."""
         parts, start = drawing.parts, drawing.lists.triangle_start
         order = np.lexsort((parts[:, 0], slots))
         patches = np.zeros((len(order), 2, 4), np.float32)
@@ -133,7 +133,8 @@ class Drawing:
         return list(self._groups)
 
     def present(self, paint: Callable[[], None], over: gpu_arrays.Overlays, block: gpu.types.GPUUniformBuf) -> None:
-        """In itself it is hidden by its own depth; against all else it is no farther than what Blender has there."""
+        """Inside the layer its own depth hides it. Against everything else it is at most as far away as Blender's
+        proxy."""
         left, bottom, width, height = gpu.state.viewport_get()
         layer, proxy = gpu_arrays.layers((width, height))
         proxy.drawn(lambda: self._draw_proxy(block))

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a Solid viewport lights and colours an object with, as the preview's shader takes it."""
+"""The light and colour of an object in a Solid viewport, for the preview's shader."""
 from __future__ import annotations
 
 import math
@@ -9,12 +9,12 @@ import bpy
 import numpy as np
 from mathutils import Matrix, Vector
 
-_DEFAULT_ROUGHNESS = 0.4  # of what has no material of its own, as Blender has it
+_DEFAULT_ROUGHNESS = 0.4  # of objects without a material, as in Blender
 
 
 @dataclass
 class Lights:
-    """Four lights in view space, as shaders/preview/preview_block.glsl orders them."""
+    """Four lights in view space, in the order of shaders/preview/preview_block.glsl."""
 
     direction: np.ndarray  # (4, 4) float32
     diffuse: np.ndarray  # (4, 4), w: wrap
@@ -27,18 +27,18 @@ class Lights:
 class Finish:
     """The surface of one material slot."""
 
-    color: tuple[float, ...]  # three, scene linear
+    color: tuple[float, ...]  # RGB, scene linear
     metallic: float = 0.0
     roughness: float = math.sqrt(_DEFAULT_ROUGHNESS)
     image: bpy.types.Image | None = None
 
     def __post_init__(self) -> None:
-        # Blender's own engine keeps both in eight bits, which shows.
+        # Blender's own engine quantises both, which is visible.
         self.metallic, self.roughness = math.floor(self.metallic * 7.0) / 7.0, math.floor(self.roughness * 31.0) / 31.0
 
 
 def lights(shading: bpy.types.View3DShading, view: Matrix) -> Lights:
-    """Of a viewport with this view matrix. A MatCap has no lights: it gets those of the preferences."""
+    """The lights of a viewport with this view matrix. A MatCap has no lights; it gets those of the preferences."""
     found = Lights(np.zeros((4, 4), np.float32), np.zeros((4, 4), np.float32), np.zeros((4, 4), np.float32),
                    np.zeros(4, np.float32), shading.show_specular_highlight)
     if shading.light == "FLAT":
@@ -49,7 +49,7 @@ def lights(shading: bpy.types.View3DShading, view: Matrix) -> Lights:
     studio = system if shading.light != "STUDIO" or system.use_studio_light_edit else shading.selected_studio_light
     turn = Matrix.Identity(3)
     if shading.light == "STUDIO" and shading.use_world_space_lighting:
-        upright = Matrix.Rotation(0.5 * math.pi, 3, "X")  # their y, up in the view, is the world's z
+        upright = Matrix.Rotation(0.5 * math.pi, 3, "X")  # maps the view's up axis y to the world's z axis
         turn = view.to_3x3() @ Matrix.Rotation(-shading.studiolight_rotate_z, 3, "Z") @ upright
     for i, light in enumerate(studio.solid_lights):
         if light.use:
@@ -61,7 +61,8 @@ def lights(shading: bpy.types.View3DShading, view: Matrix) -> Lights:
 
 
 def finish(obj: bpy.types.Object, slot: int, shading: bpy.types.View3DShading) -> Finish:
-    """Of a material slot, by the viewport's colour setting; attribute and random colours show the material's."""
+    """The surface of a material slot, according to the viewport's colour setting. Attribute and random colours use the
+    material's."""
     if shading.color_type == "SINGLE":
         return Finish(tuple(shading.single_color))
     if shading.color_type == "OBJECT":
@@ -74,7 +75,7 @@ def finish(obj: bpy.types.Object, slot: int, shading: bpy.types.View3DShading) -
 
 
 def _image_of(material: bpy.types.Material) -> bpy.types.Image | None:
-    """The image that Texture colour shows: of the active image node, or of the first. None where it has no file."""
+    """The image for Texture colour: of the active image node, or of the first one. None if there is no usable one."""
     if material.node_tree is None:
         return None
     nodes = [node for node in material.node_tree.nodes if node.type == "TEX_IMAGE" and node.image is not None
