@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""When structural work is done: data-blocks are made and removed outside of handlers only.
+"""Schedules structural work. Data-blocks are created and removed only outside of handlers.
 
-In a window a timer does it. In background mode there are no timers: the next handler does it on the spot, unless a
-render runs. While an operator changes the modifier stack nothing is done at all. What is done are the workers, which
-handlers.py names when the add-on registers.
+In a window a timer does this work. Background mode has no timers, so the next handler does it on the spot, unless a
+render runs. While an operator changes the modifier stack, nothing is done. handlers.py registers the workers, which do
+the work.
 """
 from __future__ import annotations
 
@@ -15,17 +15,17 @@ from typing import Callable, Iterator, Protocol
 
 import bpy
 
-# Handlers run in the render job's thread while the window's thread draws: one at a time. Never "skip if busy",
-# that would drop a frame.
+# Handlers run in the render job's thread while the window's thread draws. Only one thread may work at a time. A handler
+# must wait for the lock, because skipping would lose a frame.
 LOCK = threading.RLock()
-POLL = 0.05  # seconds between two looks at what threads make
-LOOK = 0.5  # seconds between two looks at what threads have left to be done
-JOB = 1.0  # seconds after the last frame that the job of an export evaluated
+POLL = 0.05  # seconds between two checks of building threads
+LOOK = 0.5  # seconds between two checks for work left by job threads
+JOB = 1.0  # seconds after the last frame of an export until its job counts as finished
 DELAY = 0.25  # seconds without another change before a dragged slider or a brush stroke is rebuilt
 
 
 class Awaited(Protocol):
-    """What a thread makes, for an object of that name."""
+    """A running thread that builds something for the object with this name."""
 
     name: str
 
@@ -36,33 +36,33 @@ class Awaited(Protocol):
 
 
 _render_running = False
-_job_seen = -math.inf  # when a handler was called in the thread of a job that is no render
+_job_seen = -math.inf  # time of the last handler call in the thread of a job that is not a render
 _wanted = False
 _suspended = False
-_files = 0  # that were opened
+_files = 0  # number of opened files
 _due: set[str] = set()  # names of objects to tag
 _workers: tuple[Callable[[], None], ...] = ()
-_may_wait = False  # what is long may be left to threads
-_awaited: list[Awaited] = []  # what these make
+_may_wait = False  # long work may be left to threads
+_awaited: list[Awaited] = []  # running threads
 _tell_waiting: Callable[[], None] = lambda: None
-_is_held: Callable[[], bool] = lambda: False  # whether the mouse drags something
-_may_be_held = False  # whether what is wanted comes of a value or a mesh that somebody may still be dragging
+_is_held: Callable[[], bool] = lambda: False  # whether the mouse button is down
+_may_be_held = False  # whether the requested work comes from a value or mesh that may still be dragged
 
 
 def set_workers(*workers: Callable[[], None]) -> None:
-    """What sync_all() calls, in this order."""
+    """Set the functions that sync_all() calls, in this order."""
     global _workers
     _workers = workers
 
 
 def note_file() -> None:
-    """Another file was opened: what scripts hold of the former one may not be touched."""
+    """Called when another file was opened: references to data of the former file are no longer valid."""
     global _files
     _files += 1
 
 
 def file_number() -> int:
-    """Another one with every file that is opened."""
+    """A number that changes with every opened file."""
     return _files
 
 
@@ -83,28 +83,31 @@ def playing() -> bool:
 
 
 def in_main_thread() -> bool:
-    """Jobs (F12, Alembic, Cycles' Bake) evaluate the file in threads of their own, and call the handlers there."""
+    """Whether this is the main thread. Jobs (F12, Alembic, Cycles' Bake) evaluate the file in their own threads, and
+    call the handlers there."""
     return threading.current_thread() is threading.main_thread()
 
 
 def note_thread() -> None:
-    """Called by every handler of a frame. While the job of an export runs no data-block may come or go: Blender says
-    nothing of its end, so what is wanted waits until its last frame is a second old."""
+    """Called by every handler of a frame. While the job of an export runs, no data-block may be created or removed.
+    Blender does not report its end, so requested work waits until one second after its last frame."""
     global _job_seen
     if not in_main_thread():
         _job_seen = time.monotonic()
     elif _wanted and not bpy.app.timers.is_registered(_on_timer):
-        request()  # in the thread no timer could be started
+        request()  # the job's thread could not start a timer
 
 
 def allowed_now() -> bool:
-    """In background mode there are no timers: structural work is done on the spot unless a render runs."""
+    """Whether structural work can be done now. In background mode there are no timers, so it is done on the spot unless
+    a render runs."""
     return bpy.app.background and not _render_running
 
 
 @contextmanager
 def suspended() -> Iterator[None]:
-    """While an operator changes the stack: 3.4 evaluates, and calls the handlers, in the middle of it."""
+    """Suspend all work while an operator changes the stack, because 3.4 evaluates the object and calls the handlers
+    during the change."""
     global _suspended
     former, _suspended = _suspended, True
     try:
@@ -118,28 +121,28 @@ def is_suspended() -> bool:
 
 
 def may_process(depsgraph: bpy.types.Depsgraph) -> bool:
-    """Whether handlers may solve and write what a depsgraph shows."""
+    """Whether handlers may solve and write the objects of a depsgraph."""
     if _render_running and depsgraph.mode == "VIEWPORT":
-        return False  # unguarded: a wrong frame in 3.4, a crash in 4.3
+        return False  # otherwise: a wrong frame in 3.4, a crash in 4.3
     return not _suspended
 
 
 def may_prepare_frame() -> bool:
-    """Whether something may be written before a frame is evaluated: while a window renders or exports, nobody knows for
-    whom."""
+    """Whether data may be written before a frame is evaluated. Not while a window renders or exports, because the
+    depsgraph of the frame is then unknown."""
     return not _suspended and (bpy.app.background or (in_main_thread() and not _render_running))
 
 
 # ---------------------------------------------------------------- structural work
 def request(delay: float = 0.0, until_released: bool = True) -> None:
-    """Do the structural work soon. Several requests become one, after the last. With a delay it waits, too, for the
-    mouse to be let go."""
+    """Do the structural work soon. Several requests are combined, after the last one. A delayed request also waits
+    until the mouse is released."""
     global _wanted, _may_be_held
     _wanted, _may_be_held = True, delay > 0.0 and until_released
     if bpy.app.background or _render_running or not in_main_thread():
-        return  # the next handler in background and after a job, or the end of the render, sees to it
+        return  # in background, and after a job, the next handler does it; after a render, its end
     timers = bpy.app.timers
-    if timers.is_registered(_on_timer):  # not a flag of our own: loading a file kills timers
+    if timers.is_registered(_on_timer):  # not our own flag, because loading a file removes timers
         if delay == 0.0:
             return
         timers.unregister(_on_timer)
@@ -147,12 +150,12 @@ def request(delay: float = 0.0, until_released: bool = True) -> None:
 
 
 def job_runs() -> bool:
-    """Whether a render or an export evaluates the file: nothing in it may come, go or be tagged."""
+    """Whether a render or an export evaluates the file. Then nothing may be created, removed or tagged."""
     return _render_running or time.monotonic() < _job_seen + JOB
 
 
 def _on_timer() -> float | None:
-    with LOCK:  # a render job that starts now waits for what is begun here
+    with LOCK:  # a render job that starts now waits for the end of this work
         if job_runs():
             return 0.5
         if _may_be_held and _is_held():
@@ -166,21 +169,22 @@ def _on_timer() -> float | None:
 
 
 def hurry() -> None:
-    """The mouse was let go: what waits for that is done now."""
+    """Called when the mouse is released: do the waiting work now."""
     if bpy.app.timers.is_registered(_on_timer):
         bpy.app.timers.unregister(_on_timer)
         bpy.app.timers.register(_on_timer, first_interval=0.0)
 
 
 def ask_whether_held(function: Callable[[], bool]) -> None:
-    """Called before what somebody may still be dragging is rebuilt; it is tried again every POLL seconds."""
+    """Set the function that is called before a rebuild that depends on a dragged value or mesh. If the mouse is down,
+    the rebuild is tried again every POLL seconds."""
     global _is_held
     _is_held = function
 
 
 @contextmanager
 def waiting() -> Iterator[None]:
-    """What takes long may be left to threads within it. Who uses it sees to it that the timer does the rest."""
+    """Inside this context long work may be left to threads. The caller must let the timer do the rest."""
     global _may_wait
     former, _may_wait = _may_wait, not bpy.app.background
     try:
@@ -190,13 +194,13 @@ def waiting() -> Iterator[None]:
 
 
 def _sync_and_wait() -> None:
-    """All structural work but what threads make."""
+    """Do all structural work, except what is left to threads."""
     with waiting():
         sync_all()
 
 
 def sync_all() -> None:
-    """All structural work, now. Not in handlers while a render or a window draws."""
+    """Do all structural work now. Do not call it in handlers while a render or a window draws."""
     global _wanted
     _wanted = False
     _awaited.clear()
@@ -206,42 +210,42 @@ def sync_all() -> None:
 
 
 def work_is_due() -> bool:
-    """Whether the timer has something to do. Waits for the end of what it is doing."""
+    """Whether the timer has work to do. It waits for the end of running work."""
     with LOCK:
         return _wanted or bool(_awaited)
 
 
 def may_wait() -> bool:
-    """Whether structural work may be left for later, while a thread makes what it needs."""
+    """Whether structural work may be postponed while a thread builds its input."""
     return _may_wait
 
 
 def wait_for(work: Awaited) -> None:
-    """Do the structural work again when this is ready."""
+    """Do the structural work again when this thread has finished."""
     _awaited.append(work)
 
 
 def awaited() -> list[Awaited]:
-    """What threads still make."""
+    """The threads that are still running."""
     return [work for work in _awaited if work.is_running()]
 
 
 def drop(work: Awaited) -> None:
-    """Nobody waits for this any more."""
+    """Do not wait for this thread any more."""
     if work in _awaited:
         _awaited.remove(work)
 
 
 def tell_waiting(function: Callable[[], None]) -> None:
-    """Called while something is awaited, every POLL seconds."""
+    """Set the function that is called every POLL seconds while threads are running."""
     global _tell_waiting
     _tell_waiting = function
 
 
 # ---------------------------------------------------------------- panels
 def redraw_panels_soon() -> None:
-    """What panels say has changed. Never while a render job runs: where an engine ends within the drawing of a panel,
-    Blender 3.4 and 4.3 forbid Python to write for good."""
+    """Redraw panels, because their text has changed. Never while a render job runs: if an engine ends while a panel is
+    drawn, Blender 3.4 and 4.3 never allow Python to write again."""
     if bpy.app.background or not in_main_thread():
         return
     if not bpy.app.timers.is_registered(_redraw_panels):
@@ -260,29 +264,29 @@ def _redraw_panels() -> float | None:
 
 # ---------------------------------------------------------------- tags
 def tag_soon(names: set[str]) -> None:
-    """Let objects be evaluated once more: from where nothing may be tagged."""
+    """Tag objects soon, so that they are evaluated again. It can be called where tagging is not allowed."""
     _due.update(names)
     if _due and in_main_thread() and not bpy.app.background:
         _restart(0.0)
 
 
 def look_for_threads() -> None:
-    """From now on what the threads of jobs leave to be done is done when they have ended: they may start no timer, and
-    Blender calls nothing of ours in the main thread then."""
+    """Start the timer for work left by job threads. They cannot start a timer, and Blender calls no handler in the main
+    thread when they end."""
     if not bpy.app.background:
         _restart(LOOK)
 
 
 def _restart(seconds: float) -> None:
-    """The one timer that always runs."""
+    """Restart the timer that always runs."""
     if bpy.app.timers.is_registered(_look):
         bpy.app.timers.unregister(_look)
     bpy.app.timers.register(_look, first_interval=seconds, persistent=True)
 
 
 def _look() -> float:
-    # A tag reaches the depsgraph of a job as well, in the midst of its evaluation. The thread of a job holds the lock
-    # while it solves: without anything to do nobody waits for it.
+    # A tag also reaches the depsgraph of a job during its evaluation, so nothing is tagged while a job runs. The thread
+    # of a job holds the lock while it solves, so the lock is taken only if there is work to do.
     if job_runs() or not (_due or _wanted):
         return LOOK
     with LOCK:
@@ -293,12 +297,12 @@ def _look() -> float:
             if name in bpy.data.objects:
                 bpy.data.objects[name].update_tag()
         if _wanted and not bpy.app.timers.is_registered(_on_timer):
-            request()  # a job's thread could start no timer
+            request()  # the job's thread could not start a timer
     return LOOK
 
 
 def stop() -> None:
-    """For unregister()."""
+    """Called by unregister()."""
     for function in (_on_timer, _look, _redraw_panels, hurry):
         if bpy.app.timers.is_registered(function):
             bpy.app.timers.unregister(function)

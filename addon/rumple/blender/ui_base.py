@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What operators and panels have in common."""
+"""Shared base of operators and panels."""
 from __future__ import annotations
 
 import re
@@ -12,18 +12,18 @@ from .frame import path_curves
 from .objects import mesh_reader, modifier, properties
 from .translation import said
 
-LETTER_PIXELS = 8.0  # of a label, on average, with room for icon and margin
-LABEL_SHARE = 0.4  # of a column, as Blender has it
-NARROW = 22  # letters across: less, and names beside values would be cut off
+LETTER_PIXELS = 8.0  # average width of a letter of a label, including icon and margin
+LABEL_SHARE = 0.4  # share of a column's width, as in Blender
+NARROW = 22  # letters per line: in narrower regions, names beside values would be cut off
 WRINKLED = "This object has wrinkles already: press Remove in their panel first"
-# Chinese and Japanese letters are twice as wide, and a line may break behind each, but not in front of a full stop.
+# Chinese and Japanese letters are twice as wide. A line may break after each of them, but not before a full stop.
 _WORDS = re.compile("(?:[\u3040-\u9fff\uff00-\uffef][\u3001\u3002\uff01-\uff0f\uff1a-\uff1f\u300d\u30fc]*)|"
                     "[^\\s\u3040-\u9fff\uff00-\uffef]+|\\s+")
 
 
 # ---------------------------------------------------------------- operators
 def refusal(obj: bpy.types.Object | None, wrinkled: bool) -> str:
-    """Why an operator cannot run on an object; empty when it can. wrinkled: it must have wrinkles already."""
+    """Why an operator cannot run on an object; empty if it can. wrinkled: it must already have wrinkles."""
     if obj is None or obj.type != "MESH":
         return "Choose a mesh object first"
     if not compat.is_editable(obj):
@@ -45,11 +45,11 @@ def refusal(obj: bpy.types.Object | None, wrinkled: bool) -> str:
 
 
 class OnWrinkled:
-    """Operators for an object that has wrinkles."""
+    """Operators for an object with wrinkles."""
 
     bl_options = {"REGISTER", "UNDO"}
-    method: str | None = None  # that they are for; None: all
-    other_method = ""  # what to say of an object with another one
+    method: str | None = None  # the required method; None: any
+    other_method = ""  # the message for an object with another method
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
@@ -69,7 +69,7 @@ class Panel:
     bl_region_type = "WINDOW"
     bl_context = "modifier"
     bl_parent_id = "DATA_PT_rumple"
-    method: str | None = None  # that it belongs to; None: all
+    method: str | None = None  # the method that it belongs to; None: all
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
@@ -79,22 +79,23 @@ class Panel:
 
 
 def property_column(layout: bpy.types.UILayout) -> bpy.types.UILayout:
-    """Names on the left, values on the right."""
+    """A column with names on the left and values on the right."""
     layout.use_property_split = True
     layout.use_property_decorate = False
     return layout.column()
 
 
 def settings_column(layout: bpy.types.UILayout, obj: bpy.types.Object) -> bpy.types.UILayout:
-    """The same of settings that a bake was made with: greyed while it is shown."""
+    """The same, for settings that a bake depends on. It is greyed out while the bake is shown."""
     column = property_column(layout)
     column.enabled = not modifier.is_baked(modifier.find(obj))
     return column
 
 
 def draw_setting(column: bpy.types.UILayout, group: bpy.types.PropertyGroup, name: str) -> bpy.types.UILayout:
-    """The row of one, for more to stand in; in a narrow editor its name stands above. A length is a slider, which moves
-    by its width: of a number with a unit, Blender moves a whole millimetre or centimetre a pixel."""
+    """Draw a setting, and return its row, to which more can be added. In a narrow editor the name is above. A length is
+    drawn as a slider, because it moves by its width. A number with a unit would move by a whole millimetre or
+    centimetre per pixel."""
     setting, words = group.bl_rna.properties[name], {}
     if is_narrow():
         column.label(text=setting.name)
@@ -106,7 +107,7 @@ def draw_setting(column: bpy.types.UILayout, group: bpy.types.PropertyGroup, nam
 
 
 def labelled_row(column: bpy.types.UILayout, label: str) -> bpy.types.UILayout:
-    """A row behind a label, where a column of properties has its values: such a column cannot grey a part of a row."""
+    """A row with a label, aligned with a column of properties. Such a column itself cannot grey out a part of a row."""
     split = column.split(factor=LABEL_SHARE)
     name = split.row()
     name.alignment = "RIGHT"
@@ -115,19 +116,19 @@ def labelled_row(column: bpy.types.UILayout, label: str) -> bpy.types.UILayout:
 
 
 def named_paint(column: bpy.types.UILayout, obj: bpy.types.Object, name: str, group: str) -> None:
-    """The name of a vertex group or an attribute, and the button that paints the group."""
+    """Draw the name of a vertex group or an attribute, and the button that paints the group."""
     settings = properties.group_of(obj)
     wanted = getattr(settings, name)
     exists = wanted in obj.vertex_groups
     row = labelled_row(column, settings.bl_rna.properties[name].name)
     field = row.row(align=True)
-    field.active = exists or wanted in obj.data.attributes  # greyed: a name that nothing has yet
+    field.active = exists or wanted in obj.data.attributes  # greyed out if nothing has this name
     field.prop(settings, name, text="")
     row.operator("object.rumple_paint", text="", icon="WPAINT_HLT" if exists else "BRUSH_DATA").group = group
 
 
 def draw_message(layout: bpy.types.UILayout, text: str) -> None:
-    """What is wrong, broken into lines that fit a narrow panel."""
+    """Draw an error message, in lines that fit a narrow panel."""
     if not text:
         return
     box = layout.box()
@@ -136,7 +137,7 @@ def draw_message(layout: bpy.types.UILayout, text: str) -> None:
 
 
 def draw_note(layout: bpy.types.UILayout, text: str, icon: str = "INFO") -> None:
-    """The same, of what is not wrong."""
+    """The same for a message that is not an error."""
     _draw_lines(layout.column(align=True), text, icon)
 
 
@@ -149,7 +150,7 @@ def _draw_lines(column: bpy.types.UILayout, text: str, icon: str) -> None:
 
 
 def wrapped(text: str) -> list[str]:
-    """Lines that fit the region that is drawn: Blender's labels do not wrap."""
+    """Lines that fit the region being drawn, because Blender's labels do not wrap."""
     width = max(24, letters_across())
     lines = [""]
     for word in _WORDS.findall(text):
@@ -160,18 +161,18 @@ def wrapped(text: str) -> list[str]:
 
 
 def letters_across() -> int:
-    """How many letters fit beside one another in the region that is drawn."""
+    """The number of letters per line in the region being drawn."""
     region, scale = bpy.context.region, bpy.context.preferences.system.ui_scale
     return 60 if region is None else int(region.width / (LETTER_PIXELS * scale))
 
 
 def is_narrow() -> bool:
-    """Whether the region that is drawn has no room for names beside values."""
+    """Whether the region being drawn is too narrow for names beside values."""
     return letters_across() < NARROW
 
 
 def shortened(text: str, most: int) -> str:
-    """At most so many letters: Blender draws the words of a header over its buttons."""
+    """The text, cut to this number of letters, because Blender draws the text of a header over its buttons."""
     if letters(text) <= most:
         return text
     kept = next((kept for kept in range(len(text), 0, -1) if letters(text[:kept]) < most), 0)
@@ -179,5 +180,5 @@ def shortened(text: str, most: int) -> str:
 
 
 def letters(text: str) -> int:
-    """How many Latin letters are as wide."""
+    """The width of a text in Latin letters."""
     return sum(2 if unicodedata.east_asian_width(letter) in "WF" else 1 for letter in text)

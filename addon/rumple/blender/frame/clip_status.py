@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Whether the baked clip of an object is there and still right, in a sentence for panel and console."""
+"""Checks whether the baked clip of an object exists and is up to date, with messages for panel and console."""
 from __future__ import annotations
 
 import hashlib
@@ -17,7 +17,7 @@ from . import path_curves
 
 
 def clip_path(obj: bpy.types.Object) -> Path | None:
-    """The file that the Mesh Cache of a baked object's cache object reads, absolute."""
+    """The absolute path of the clip, from the Mesh Cache modifier of a baked object's cache object."""
     cache_object = modifier.cache_object(modifier.find(obj))
     cache = modifier.mesh_cache(cache_object) if cache_object is not None else None
     if cache is None or not cache.filepath:
@@ -26,18 +26,20 @@ def clip_path(obj: bpy.types.Object) -> Path | None:
 
 
 def sees_ahead(obj: bpy.types.Object, scene: bpy.types.Scene) -> bool:
-    """Whether a bake of it may look at the whole clip first: over a body what is solved is not known before."""
+    """Whether a bake of it can analyse the whole clip first. It cannot over a body, because the solved shape is not
+    known in advance."""
     return properties.settings_of(obj, scene).sees_ahead and not bodies.of(obj)
 
 
 def is_independent(obj: bpy.types.Object, scene: bpy.types.Scene) -> bool:
-    """Whether each of its frames is solved without those before it, and without those of other wrinkled objects."""
+    """Whether each frame is solved independently of the frames before it, and of the frames of other wrinkled
+    objects."""
     return properties.settings_of(obj, scene).stateless and stands_alone(obj)
 
 
 def stands_alone(obj: bpy.types.Object) -> bool:
-    """Whether all that lives from frame to frame and moves it is its own state: no simulation is in front of its
-    wrinkles, and other wrinkled objects show their clips."""
+    """Whether its frames depend on no other state from frame to frame: no simulation is in front of its wrinkles, and
+    other wrinkled objects show their clips."""
     others = [other for other in (*bodies.of(obj), modifier.depends_on_wrinkled(obj)) if other is not None]
     wrinkles = [modifier.find(other) for other in others]
     if is_simulated_in_front(obj):
@@ -46,22 +48,22 @@ def stands_alone(obj: bpy.types.Object) -> bool:
 
 
 def is_simulated_in_front(obj: bpy.types.Object) -> bool:
-    """Whether what moves its wrinkles lives from frame to frame by itself."""
+    """Whether a simulation with its own state is in front of its wrinkles."""
     return any(m.type in ("CLOTH", "SOFT_BODY") or modifier.is_simulation_nodes(m) for m in modifier.in_front(obj))
 
 
 def inputs_fingerprint(obj: bpy.types.Object, scene: bpy.types.Scene) -> str:
-    """Hash of everything that makes a clip but the animation: meshes, settings, paint, bodies; and its first frame.
-    scene: that it is played in."""
+    """Hash of all inputs of a clip except the animation (meshes, settings, paint, bodies), and its first frame. scene:
+    the scene in which it is played."""
     return f"{_fingerprint(obj, scene, _content_of_bodies(obj), None)}@{units.first_frame(obj, scene)}"
 
 
 def is_baked_from(inputs: str, obj: bpy.types.Object, scene: bpy.types.Scene) -> bool:
-    """Whether a fingerprint of a clip is of what is there now. A clip that began earlier than it would now is right:
-    Start is moved to render a part again."""
+    """Whether a clip's fingerprint matches the current inputs. A clip with an earlier first frame also matches, because
+    artists move Start to render a part again."""
     fingerprint, _, begun = inputs.partition("@")
     first = units.first_frame(obj, scene)
-    if not begun:  # of an older Rumple, with the names of the bodies
+    if not begun:  # from an older Rumple, with the names of the bodies
         names = "".join(body.name_full for body in bodies.of(obj))
         return fingerprint == _fingerprint(obj, scene, names.encode(), first)
     return (begun.lstrip("-").isdecimal() and int(begun) <= first
@@ -81,7 +83,8 @@ def _fingerprint(obj: bpy.types.Object, scene: bpy.types.Scene, worn_over: bytes
 
 
 def _content_of_bodies(obj: bpy.types.Object) -> bytes:
-    """Of their meshes at rest. Names differ where a character is linked, overridden or duplicated."""
+    """Hash of the bodies' rest meshes. Names are not used, because they change when a character is linked, overridden
+    or duplicated."""
     return b"".join(sorted(map(_content, bodies.of(obj))))
 
 
@@ -99,13 +102,13 @@ def _content(body: bpy.types.Object) -> bytes:
 
 # ---------------------------------------------------------------- the file
 class _Seen:
-    """A clip as it was read last, until it or the manifest beside it changes."""
+    """The cached state of a clip. It is valid until the clip or its manifest changes."""
 
     def __init__(self, clip: Path, signature: tuple) -> None:
         self.signature = signature
         self.manifest: Manifest | None = None
         self.fault = ""
-        self.unread = False  # it is there, and could not be read: tried again
+        self.unread = False  # it exists but could not be read: try again
         self.whole: dict[int, bool] = {}  # by sample
         try:
             self.manifest = clip_file.read_manifest(clip)
@@ -116,7 +119,7 @@ class _Seen:
         if sample not in self.whole:
             try:
                 self.whole[sample] = clip_file.sample_is_whole(clip, self.manifest, sample)
-            except OSError:  # a network disk, say: tried again at the next frame
+            except OSError:  # e.g. a network drive: try again at the next frame
                 return False
         return self.whole[sample]
 
@@ -140,12 +143,12 @@ def _signature(path: Path) -> tuple[int, int] | None:
 
 
 def manifest(clip: Path) -> Manifest | None:
-    """The manifest of a clip; None where there is none, or it cannot be read."""
+    """The manifest of a clip; None if there is none, or it cannot be read."""
     return _look(clip).manifest
 
 
 def cannot_play(obj: bpy.types.Object, output_object: bpy.types.Object, frame: float | None = None) -> str:
-    """Why the clip of a baked object is not shown, at a frame where one is given; empty when it is."""
+    """Why the clip of a baked object cannot be shown (at a frame, if it is given); empty if it can."""
     clip = clip_path(obj)
     if clip is None:
         return f"{obj.name}: the baked clip is not named any more: bake again, or free the bake"
@@ -156,7 +159,7 @@ def cannot_play(obj: bpy.types.Object, output_object: bpy.types.Object, frame: f
         return f"{obj.name}: the baked clip {clip.name} cannot be shown: {seen.fault}{_INSTEAD}"
     about = seen.manifest
     if about is None:
-        return ""  # check() says so
+        return ""  # check() reports this
     if about.vertices != len(output_object.data.vertices):
         return f"{obj.name}: the baked clip {clip.name} is of another fine mesh{_INSTEAD}"
     files = [clip]
@@ -165,7 +168,7 @@ def cannot_play(obj: bpy.types.Object, output_object: bpy.types.Object, frame: f
         curves = _look(files[-1]).manifest
         if curves is None or clip_file.checksum(curves) != about.curves:
             return f"{obj.name}: the path curves {files[-1].name} are not those of the baked clip{_INSTEAD}"
-    # A shutter may open half a frame before, and close half a frame after.
+    # A shutter may open half a frame earlier, and close half a frame later.
     if frame is not None and not about.start - 0.5 <= frame <= about.end + 0.5:
         return (f"{obj.name}: frame {frame:g} is outside the bake ({about.start} to {about.end}), so live folds are "
                 "shown there")
@@ -181,7 +184,7 @@ _INSTEAD = ", so live folds are shown. Bring the file back, bake again, or free 
 
 
 def check(obj: bpy.types.Object, output_object: bpy.types.Object) -> str:
-    """What is wrong with the clip of a baked object; empty when nothing is. The pose is not looked at."""
+    """An error message about the clip of a baked object, or an empty text. The pose is not compared."""
     text = cannot_play(obj, output_object)
     if text:
         return text
@@ -199,7 +202,7 @@ def check(obj: bpy.types.Object, output_object: bpy.types.Object) -> str:
 
 # ---------------------------------------------------------------- frames
 def compare_pose(obj: bpy.types.Object, runtime: Runtime, depsgraph: bpy.types.Depsgraph, frame: float) -> str:
-    """The note on this frame of a baked object: its animation may have changed, or the clip may not have it."""
+    """The note on this frame of a baked object: its animation may have changed, or the clip may not have this frame."""
     clip = clip_path(obj)
     about = manifest(clip) if clip is not None else None
     if about is None or runtime.bake_note:
@@ -214,10 +217,10 @@ def compare_pose(obj: bpy.types.Object, runtime: Runtime, depsgraph: bpy.types.D
 
 
 def late_in_renders(obj: bpy.types.Object) -> str:
-    """What an unbaked object that follows another wrinkled one has to know; empty for others.
+    """A warning about an unbaked object that follows another wrinkled one; empty for others.
 
-    Blender calls handlers once a frame: both are solved there, when the follower's coarse mesh does not have the
-    other's new folds yet. In the window another update follows (_tag_dependents), in a bake another pass.
+    Blender calls handlers once per frame. Both objects are solved there, when the follower's coarse mesh does not yet
+    have the other's new folds. In the window another update follows (_tag_dependents), in a bake another pass.
     """
     other = modifier.depends_on_wrinkled(obj)
     if other is None:
@@ -226,7 +229,7 @@ def late_in_renders(obj: bpy.types.Object) -> str:
 
 
 def _not_made_yet(obj: bpy.types.Object) -> str:
-    """What the next structural work would mend."""
+    """A warning about changes that have not been rebuilt yet."""
     runtime = runtimes.known(obj)
     if runtime is None or not runtime.stale:
         return ""
@@ -234,7 +237,7 @@ def _not_made_yet(obj: bpy.types.Object) -> str:
 
 
 def check_before_render() -> None:
-    """Say on the console what is missing, stale, late or lost, before hours are spent on it."""
+    """Print warnings about missing, outdated or late folds, and lost caches, before a long render."""
     for obj, nodes_mod in modifier.wrinkled_objects():
         with messages.console_errors(obj.name):
             output_obj = modifier.output_object(nodes_mod)

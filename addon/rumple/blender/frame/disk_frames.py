@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Stored frames on disk (core/kept_frames.py): which folder, and when they are written.
+"""Stored frames on disk (core/kept_frames.py): the folder, and when they are written.
 
-Never in a frame: when a file is saved, and in a window a few at a time while nothing plays, moves or renders. They are
-read where a frame is asked for that is not in memory.
+They are never written during a frame. They are written when a file is saved, and in a window in small batches while
+nothing is played, moved or rendered. They are read if a requested frame is not in memory.
 """
 from __future__ import annotations
 
@@ -20,8 +20,8 @@ from ..objects.evaluator import solved_alike
 from ..objects.runtimes import Runtime
 
 SUFFIX = ".frames"
-_IDLE = 2.0  # seconds without a frame before any is written
-_AT_ONCE, _BETWEEN = 0.02, 0.2  # seconds of writing, and until it goes on
+_IDLE = 2.0  # seconds without a new frame before writing starts
+_AT_ONCE, _BETWEEN = 0.02, 0.2  # seconds of writing, and of the pause after it
 _AT_SAVE = 2.0  # seconds in a window; the rest is written later
 
 _due = 0.0
@@ -29,14 +29,15 @@ _told: set[str] = set()
 
 
 def of(obj: bpy.types.Object) -> KeptFrames | None:
-    """Those that an object reads from now."""
+    """The stored frames that an object currently reads."""
     runtime = runtimes.known(obj)
     kept = None if runtime is None or runtime.evaluator is None else runtime.evaluator.frame_cache.on_disk
     return kept if isinstance(kept, KeptFrames) else None
 
 
 def follow(obj: bpy.types.Object, runtime: Runtime) -> None:
-    """Before a frame is solved: read from where the object keeps its frames now, if it does. Touches no disk."""
+    """Called before a frame is solved: use the object's current folder, if it stores frames. Does not access the
+    disk."""
     evaluator = runtime.evaluator
     if evaluator is None:
         return
@@ -65,7 +66,7 @@ def _all() -> Iterator[KeptFrames]:
 
 # ---------------------------------------------------------------- writing
 def _write(seconds: float) -> bool:
-    """For about so long, and at least a frame of each object. True where more are left."""
+    """Write for about this time, but at least one frame of each object. Returns whether there are more."""
     ends, more = time.monotonic() + seconds, False
     for kept in _all():
         more = kept.write(max(ends - time.monotonic(), 0.0)) or more
@@ -77,7 +78,7 @@ def _write(seconds: float) -> bool:
 
 
 def on_save() -> None:
-    """After the file was saved, perhaps under another name."""
+    """Called after the file was saved, perhaps under another name."""
     with scheduler.LOCK:
         for obj, _nodes_mod in modifier.wrinkled_objects():
             runtime = runtimes.known(obj)
@@ -87,7 +88,7 @@ def on_save() -> None:
 
 
 def clear(obj: bpy.types.Object) -> None:
-    """Remove what is kept of an object."""
+    """Remove the stored frames of an object."""
     kept = of(obj)
     if kept is not None:
         kept.clear()
@@ -97,7 +98,7 @@ def _request() -> None:
     global _due
     _due = time.monotonic() + _IDLE
     if bpy.app.background or not scheduler.in_main_thread() or bpy.app.timers.is_registered(_on_timer):
-        return  # timers are started by the main thread alone: its next frame does
+        return  # only the main thread can start timers: its next frame does
     bpy.app.timers.register(_on_timer, first_interval=_IDLE)
 
 
@@ -119,6 +120,6 @@ def _on_timer() -> float | None:
 
 
 def stop() -> None:
-    """For unregister()."""
+    """Called by unregister()."""
     if bpy.app.timers.is_registered(_on_timer):
         bpy.app.timers.unregister(_on_timer)

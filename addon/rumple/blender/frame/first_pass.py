@@ -1,15 +1,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Blender evaluates a garment twice in a frame: before it is solved, and once more because the solve wrote it.
+"""Blender evaluates a garment twice in a frame: before the solve, and again because the solve has written it.
 
-Nobody sees the first result; the handler only reads the posed coarse mesh from it. So the first pass hands on the
-coarse mesh, which costs a tenth of the fine one. A flag tells the node tree
-(nodes/output_flags.py).
+The first result is never visible. The handler only reads the posed coarse mesh from it. So in the first pass the node
+tree outputs the coarse mesh, which costs a tenth of the fine one. A flag tells the node tree (nodes/output_flags.py).
 
-While a clip is baked nobody sees the second result either: then the coarse mesh is handed on in both, what is solved
-is not written, and garments that the bake does not need are not solved (read_only()).
+While a clip is baked, the second result is not visible either. Then both passes output the coarse mesh, the solved
+result is not written, and garments that the bake does not need are not solved (read_only()).
 
-Else only between frame_change_pre and frame_change_post. At all other times, in files, and for whatever evaluates
-without these handlers, the flag is not set and the fine mesh is shown.
+Otherwise the flag is set only between frame_change_pre and frame_change_post. At all other times, in files, and in
+evaluations without these handlers, the flag is not set and the fine mesh is shown.
 """
 from __future__ import annotations
 
@@ -22,12 +21,13 @@ from ..nodes.output_flags import Flag, change_flag, is_set, set_flag
 from ..objects import bodies, modifier, runtimes, units, viewport_mesh
 
 _some_are_coarse = False
-_began: float | None = None  # of the frame that Blender evaluates now, by time.perf_counter()
-_needed: frozenset[str] | None = None  # names of the garments that a bake reads; None: there is no bake
+_began: float | None = None  # start of the frame that Blender evaluates now, by time.perf_counter()
+_needed: frozenset[str] | None = None  # names of the garments that a bake reads; None: no bake is running
 
 
 def read_only(obj: bpy.types.Object | None) -> None:
-    """A bake reads what is solved of an object; None: it has ended, and all is shown again."""
+    """A bake starts, which reads the solved result of an object. None: the bake has ended, and everything is shown
+    again."""
     global _needed
     _needed = None if obj is None else frozenset(one.name_full for one in (obj, *bodies.all_under(obj)))
     if obj is None:
@@ -38,12 +38,12 @@ def read_only(obj: bpy.types.Object | None) -> None:
 
 
 def is_read() -> bool:
-    """Whether a bake is under way."""
+    """Whether a bake is running."""
     return _needed is not None
 
 
 def is_needed(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier) -> bool:
-    """Whether anybody looks at the wrinkles of an object, or reads them."""
+    """Whether the wrinkles of an object are visible or read."""
     return _needed is None or obj.name_full in _needed or is_shown(nodes_mod)
 
 
@@ -54,7 +54,8 @@ def is_shown(nodes_mod: bpy.types.NodesModifier) -> bool:
 
 
 def hand_on_coarse(scene: bpy.types.Scene) -> None:
-    """Before a frame: of the garments that moved in the last one. What stands still Blender does not even evaluate.
+    """Called before a frame: set the flag of the garments that moved in the last frame. Blender does not even evaluate
+    the others.
 
     Cost: about a microsecond for each modifier of the file and each node of its geometry node groups.
     """
@@ -75,18 +76,18 @@ def hand_on_coarse(scene: bpy.types.Scene) -> None:
 
 
 def seconds_evaluated() -> float | None:
-    """That Blender has taken for the first pass of the frame; None between frames."""
+    """The time that Blender has needed for the first pass of the frame; None between frames."""
     return None if _began is None else time.perf_counter() - _began
 
 
 def show_fine(scene: bpy.types.Scene) -> None:
-    """After the first pass, whatever happened in it."""
+    """Called after the first pass, also after errors: clear the flags."""
     global _some_are_coarse, _began
     _began = None
     if _needed is not None:
         return
     if scheduler.rendering() and not bpy.app.background:
-        return  # nothing was prepared, and the thread that renders may hold the lock
+        return  # nothing was prepared, and the rendering thread may hold the lock
     with scheduler.LOCK:
         left = False
         for obj, nodes_mod in modifier.wrinkled_objects():

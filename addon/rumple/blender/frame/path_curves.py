@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The paths as curves: a child object of the garment whose mesh holds rows of numbers (core/curve_rows.py), of which
-its node group makes curves (path_curves_tree.py).
+"""The paths as curves: a child object of the garment, whose mesh has rows of numbers (core/curve_rows.py). Its node
+group makes curves from them (path_curves_tree.py).
 
-The mesh has a capacity of points and never changes its topology while handlers run: they write positions, nothing
-else. Structural work raises the capacity. Whose curves they are, the modifier's input says.
+The mesh has a capacity of points. Handlers write only positions and never change its topology. Structural work
+increases the capacity. The modifier's input refers to the garment of the curves.
 """
 from __future__ import annotations
 
@@ -33,12 +33,12 @@ _CURVES = ModifiedObjects(path_curves_tree.is_ours)
 
 
 def find(obj: bpy.types.Object) -> bpy.types.NodesModifier | None:
-    """The modifier that makes curves of an object's mesh."""
+    """The modifier that makes curves from an object's mesh."""
     return _CURVES.find(obj)
 
 
 def all_curves() -> Iterator[tuple[bpy.types.Object, bpy.types.NodesModifier]]:
-    """Every object that shows paths, in the order of their names. The list is kept."""
+    """Every object that shows paths, ordered by name. The list is cached."""
     return iter(_CURVES)
 
 
@@ -54,7 +54,7 @@ def of(garment: bpy.types.Object) -> list[bpy.types.Object]:
 
 # ---------------------------------------------------------------- adding and removing
 def add(garment: bpy.types.Object) -> bpy.types.Object:
-    """A child that shows the paths of a garment, beside it in its collections."""
+    """Add a child that shows the paths of a garment, in the same collections."""
     name = garment.name + SUFFIX
     child = bpy.data.objects.new(name, bpy.data.meshes.new(name))
     _set_capacity(child.data, _wanted_capacity(garment))
@@ -71,7 +71,7 @@ def add(garment: bpy.types.Object) -> bpy.types.Object:
 
 
 def remove(child: bpy.types.Object) -> None:
-    """A child, its mesh, and the node group when it was the last."""
+    """Remove a child, its mesh, and the node group if this was the last one."""
     group = find(child).node_group
     set_input(find(child), path_curves_tree.GARMENT, None)
     modifier.delete_hidden(child)
@@ -81,19 +81,19 @@ def remove(child: bpy.types.Object) -> None:
 
 
 def _write_again(garment: bpy.types.Object) -> None:
-    """The next update writes the curves of this frame."""
+    """Let the next update write the curves of this frame."""
     runtimes.of(garment).invalidate_output()
     garment.update_tag()
 
 
 # ---------------------------------------------------------------- capacity
 def capacity(mesh: bpy.types.Mesh) -> int:
-    """For how many points a mesh has rows."""
+    """The number of points for which a mesh has rows."""
     return len(mesh.vertices) // ROWS
 
 
 def _set_capacity(mesh: bpy.types.Mesh, points: int) -> None:
-    """Rows for so many points, and edges between those that follow one another."""
+    """Make rows for this number of points, and edges between consecutive points."""
     mesh.clear_geometry()
     mesh.vertices.add(ROWS * points)
     mesh.edges.add(points - 1)
@@ -112,7 +112,7 @@ def _wanted_capacity(garment: bpy.types.Object) -> int:
 
 # ---------------------------------------------------------------- every frame
 def write(garment: bpy.types.Object, runtime: Runtime) -> None:
-    """The curves of the frame that was solved last. In handlers."""
+    """Write the curves of the last solved frame. Called by handlers."""
     children = [child for child in of(garment) if _is_writable(child)]
     if not children:
         return
@@ -137,14 +137,16 @@ def write(garment: bpy.types.Object, runtime: Runtime) -> None:
 
 
 def _is_writable(child: bpy.types.Object) -> bool:
-    """In Edit Mode the mesh is not what is shown; a baked one is played; linked ones ignore what is written."""
+    """Whether the mesh can be written: in Edit Mode it is not the shown one, a baked one is played, and writing to
+    linked ones has no effect."""
     return (child.mode == "OBJECT" and modifier.mesh_cache(child) is None and compat.is_editable(child)
             and compat.is_editable(child.data))
 
 
 # ---------------------------------------------------------------- structural work
 def sync(wrinkled: list[bpy.types.Object]) -> None:
-    """After other structural work: gives every child a mesh of its own that is large enough, and removes leftovers."""
+    """Called after other structural work: give every child its own mesh that is large enough, and remove unused
+    children."""
     seen: set[int] = set()
     for child, nodes_mod in list(all_curves()):
         if not compat.is_editable(child):
@@ -166,7 +168,8 @@ def sync(wrinkled: list[bpy.types.Object]) -> None:
 
 def _is_left_over(child: bpy.types.Object, garment: bpy.types.Object | None,
                   wrinkled: list[bpy.types.Object]) -> bool:
-    """Its garment was deleted (an artist who only emptied the input keeps it), or has no such wrinkles any more."""
+    """Whether its garment was deleted, or no longer has such wrinkles. If the artist has only cleared the input, the
+    child stays."""
     if garment is None:
         return child.parent is None
     return garment not in wrinkled or not properties.system_of(garment).wrinkles.HAS_CURVES
@@ -174,11 +177,12 @@ def _is_left_over(child: bpy.types.Object, garment: bpy.types.Object | None,
 
 # ---------------------------------------------------------------- baked
 class Recorder:
-    """Takes the curves of a garment sample by sample while it is baked, and lets its children play them. They wait in a
-    file beside the clip: how much room the longest sample needs is known behind the last."""
+    """Records the curves of a garment sample by sample during a bake, and lets its children play them. They are first
+    written to a temporary file beside the clip, because the capacity for the longest sample is known only at the
+    end."""
 
     def __init__(self, garment: bpy.types.Object, clip: Path) -> None:
-        """clip: of the garment."""
+        """clip: the garment's clip."""
         self.garment, self.clip = garment, clip_path(clip)
         self.points: list[int] = []  # of every sample
         self.waiting: BinaryIO | None = None
@@ -186,7 +190,7 @@ class Recorder:
         self.writer: clip_file.SampleWriter | None = None
 
     def add(self) -> None:
-        """The sample that was solved last. Raises ClipFault."""
+        """Add the last solved sample. Raises ClipFault."""
         if not self.wanted:
             return
         runtime = runtimes.of(self.garment)
@@ -203,7 +207,7 @@ class Recorder:
         self.points.append(points)
 
     def seal(self, manifest: Manifest) -> int:
-        """Write the clip that in_place() moves beside that of the garment; its checksum. Raises ClipFault."""
+        """Write the clip that in_place() moves beside the garment's clip, and return its checksum. Raises ClipFault."""
         if not self.wanted or self.waiting is None:
             return 0
         room = capacity_for(max(self.points))
@@ -220,7 +224,7 @@ class Recorder:
         return clip_file.checksum(about)
 
     def _read(self, points: int, room: int) -> np.ndarray:
-        """The rows of the next sample, in so much room."""
+        """The rows of the next sample, padded to this capacity."""
         assert self.waiting is not None
         rows = np.zeros((ROWS, room, 3), np.float32)
         data = self.waiting.read(ROWS * points * 3 * rows.itemsize)
@@ -228,7 +232,7 @@ class Recorder:
         return rows.reshape(-1, 3)
 
     def _forget_waiting(self) -> None:
-        """Never raises: what is buffered may not fit on the disk."""
+        """Close and remove the temporary file. Never raises, although buffered data may not fit on the disk."""
         if self.waiting is None:
             return
         try:
@@ -239,15 +243,15 @@ class Recorder:
         self.waiting = None
 
     def discard(self) -> None:
-        """Leave the former clip."""
+        """Keep the former clip."""
         self._forget_waiting()
         if self.writer is not None:
             self.writer.discard()
 
     @contextmanager
     def in_place(self) -> Iterator[None]:
-        """While the garment's clip is put in place: where that fails, the former curves are there again, since those of
-        another bake are not shown. Raises ClipFault."""
+        """A context in which the garment's clip is moved into place. If this fails, the former curves are restored,
+        because curves of another bake are not shown. Raises ClipFault."""
         if self.writer is None:
             yield
             return
@@ -263,29 +267,29 @@ class Recorder:
             raise ClipFault(clip_folder.in_words(error, self.clip.parent)) from error
 
     def play(self, stored_path: Any) -> None:
-        """Let the children play it. stored_path: how a blend file names it."""
+        """Let the children play the clip. stored_path: returns the form of a path in the blend file."""
         if self.writer is not None:
             play(self.garment, self.writer.manifest, stored_path(self.writer.clip))
 
 
 def play(garment: bpy.types.Object, about: Manifest, path: str) -> None:
-    """Let the curves of a garment play their clip. path: as a blend file names it."""
+    """Let the curves of a garment play their clip. path: in the form of the blend file."""
     for child in of(garment):
         if compat.is_editable(child):
-            free(child)  # of a former clip, which it played up to now
+            free(child)  # of the former clip, which it has played until now
             _set_capacity(child.data, about.points // ROWS)
             cache = modifier.add_mesh_cache(child, about, path)
-            cache.interpolation = "NONE"  # between two samples there may be other curves: they ride on the pose
+            cache.interpolation = "NONE"  # between two samples the curves may differ, so they only follow the pose
             compat.move_modifier(child, len(child.modifiers) - 1, 0)
 
 
 def clip_path(clip: Path) -> Path:
-    """Where the curves of a garment's clip are. Names of clips have no dots."""
+    """The path of the curves of a garment's clip. Names of clips have no dots."""
     return clip.with_suffix(f"{SUFFIX}{clip.suffix}")
 
 
 def free(child: bpy.types.Object) -> None:
-    """Live again."""
+    """Show live curves again."""
     cache = modifier.mesh_cache(child)
     if cache is not None and compat.is_editable(child):
         child.modifiers.remove(cache)

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Structural work: fine meshes, output objects, duplicates, leftovers.
 
-It makes and removes data-blocks, so it runs outside handlers: from operators, from a timer in the window, and in
-background mode directly while nothing renders; also before a render that runs in the main thread, but never in the
-thread of an F12 job. Who wants it asks scheduler.py for it.
+It creates and removes data-blocks, so it runs outside of handlers: in operators, in a timer of the window, and in
+background mode directly while nothing renders. It also runs before a render in the main thread, but never in the thread
+of an F12 job. Other modules request it from scheduler.py.
 """
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from . import clip_status, path_curves
 
 
 def sync_all() -> None:
-    """Bring every wrinkled object in order: node groups, shared output objects, stale meshes, leftovers."""
+    """Update every wrinkled object: node groups, shared output objects, outdated meshes, leftovers."""
     kept_lists.forget_all()
     for group in list(bpy.data.node_groups):
         if wrinkle_tree.is_ours(group):
@@ -45,13 +45,13 @@ def sync_all() -> None:
 
 
 def is_awaited(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier) -> bool:
-    """Whether a thread makes its fine mesh now, and the window goes on: with the former one, or the coarse mesh. False
-    where nobody may wait."""
+    """Whether a thread builds its fine mesh while the window shows the former one or the coarse mesh. False if waiting
+    is not allowed."""
     if not scheduler.may_wait() or modifier.is_baked(nodes_mod) or mesh_reader.is_busy(obj):
         return False
     try:
         building = evaluator.begin(obj, runtimes.of(obj))
-    except Exception:  # prepare() says what is wrong
+    except Exception:  # prepare() reports this error
         return False
     if building is not None:
         scheduler.wait_for(building)
@@ -59,9 +59,9 @@ def is_awaited(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier) -> boo
 
 
 def prepare(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier) -> bool:
-    """Make the fine mesh and the output object what they should be. True when something was rebuilt.
+    """Rebuild the fine mesh and the output object if necessary. Returns whether something was rebuilt.
 
-    Never raises: what is wrong becomes the object's message and the last good mesh stays.
+    Never raises: errors become the object's message, and the last valid mesh stays.
     """
     if mesh_reader.is_busy(obj):
         return False
@@ -78,11 +78,11 @@ def prepare(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier) -> bool:
 def _prepare(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier, runtime: Runtime) -> bool:
     method = modifier.system(nodes_mod).method
     if compat.is_editable(obj) and obj.rumple.method != method:
-        obj.rumple.method = method  # the modifier came by Copy Modifiers or an older file
+        obj.rumple.method = method  # the modifier is from Copy Modifiers or an older file
     own_mesh_place.keep(obj)
     if modifier.is_baked(nodes_mod) and modifier.output_object(nodes_mod) is not None:
         runtime.bake_note = clip_status.check(obj, modifier.output_object(nodes_mod))
-        return False  # the clip counts on the output object as it is
+        return False  # the clip depends on the unchanged output object
     runtime.bake_note = ""
     if method == "FIELD":
         _update_profile(obj, runtime)
@@ -94,7 +94,7 @@ def _prepare(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier, runtime:
     if changed:
         runtime.notes.append(changed)
     if runtime.evaluator is not former:
-        obj.update_tag()  # the output object may fit as it is, but nothing is solved by this one
+        obj.update_tag()  # the output object may be unchanged, but this evaluator has solved nothing yet
     former_output, former_viewport = modifier.output_object(nodes_mod), modifier.viewport_output(nodes_mod)
     count = len(incoming_mesh.of(obj).vertices)
     filled = [_filled(former, fine, inherited) for former, fine in zip(
@@ -111,12 +111,12 @@ def _prepare(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier, runtime:
 
 def _filled(output_obj: bpy.types.Object | None, fine: ShownMesh,
             inherited: output_mesh.Inherited) -> tuple[bpy.types.Object, bool]:
-    """An output object with a fine mesh, and whether it had to be made or changed."""
+    """An output object with the fine mesh, and whether it was created or changed."""
     if output_obj is None or output_obj.type != "MESH" or not _is_local(output_obj):
         output_obj = output_mesh.make(fine, inherited)
         output_obj[output_mesh.KEY] = True
         if isinstance(fine, ViewportMesh):
-            set_flag(output_obj, Flag.RENDER_MESH, True)  # until it is known that nothing minds it
+            set_flag(output_obj, Flag.RENDER_MESH, True)  # until it is known that nothing depends on it
         return output_obj, True
     if not output_mesh.is_embedding_of(output_obj.data, fine):
         output_mesh.fill(output_obj, fine, inherited)
@@ -125,7 +125,7 @@ def _filled(output_obj: bpy.types.Object | None, fine: ShownMesh,
 
 
 def _take_incoming(obj: bpy.types.Object, runtime: Runtime) -> str:
-    """Make the incoming mesh what it should be. What to say of one that nobody edited and that has other vertices."""
+    """Update the incoming mesh. Returns a message if it has other vertices although nobody edited it."""
     before, stack = len(incoming_mesh.of(obj).vertices), incoming_mesh.stack_fingerprint(obj)
     incoming_mesh.update(obj)
     count, edited = len(incoming_mesh.of(obj).vertices), runtime.stack != stack
@@ -138,7 +138,7 @@ def _take_incoming(obj: bpy.types.Object, runtime: Runtime) -> str:
 
 
 def _update_profile(obj: bpy.types.Object, runtime: Runtime) -> None:
-    """The materials, and the fine mesh, have the profile that is set, or drawn."""
+    """Give the materials and the fine mesh the chosen or drawn profile."""
     if obj.rumple.field.profile == "CURVE":
         field_profile.ensure(obj)
         runtime.paint = None
@@ -154,7 +154,7 @@ def _is_local(output_obj: bpy.types.Object) -> bool:
 
 # ---------------------------------------------------------------- duplicates and leftovers
 def _split_shared_outputs(objects: list[tuple[bpy.types.Object, bpy.types.NodesModifier]]) -> None:
-    """Every object needs a local output object of its own: duplicates share one, linked ones cannot be written."""
+    """Give every object its own local output object: duplicates share one, and linked ones cannot be written."""
     seen: set[int] = set()
     for obj, nodes_mod in objects:
         with messages.build_errors(obj, runtimes.of(obj)):
@@ -170,18 +170,18 @@ def _split_shared_output(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifi
         output_obj = output_mesh.copy_for(obj, output_obj)
         output_obj[output_mesh.KEY] = True
         modifier.set_output_object(nodes_mod, output_obj, modifier.coarse_vertices(nodes_mod))
-        modifier.set_viewport_output(nodes_mod, None)  # made anew
+        modifier.set_viewport_output(nodes_mod, None)  # it is rebuilt
         runtimes.of(obj).stale = True
         runtimes.of(obj).invalidate_output()
     seen.update(compat.session_key(output) for output in modifier.outputs(nodes_mod))
 
 
 def _tidy_removed(wrinkled: set[str]) -> None:
-    """Where the modifier was applied or removed by Blender's own buttons, clean up as our operators do."""
+    """Clean up after modifiers that were applied or removed with Blender's own buttons."""
     for obj in bpy.data.objects:
         if obj.type != "MESH" or obj.name_full in wrinkled or not compat.is_editable(obj):
             continue
-        if obj.rumple.method not in ("NONE", "MAPS"):  # those are up to maps/rebuild.py
+        if obj.rumple.method not in ("NONE", "MAPS"):  # maps/rebuild.py handles those
             drop_traces(obj)
     modifier.drop_unused_groups()
     drop_orphan_outputs()
@@ -189,19 +189,20 @@ def _tidy_removed(wrinkled: set[str]) -> None:
 
 
 def drop_orphan_outputs() -> None:
-    """Output and cache objects without an object. Asked of the user map: 5.2's count keeps applied modifiers."""
+    """Remove output and cache objects without an owner. The user map is used, because 5.2 still counts applied
+    modifiers as users."""
     hidden = (modifier.output_object, modifier.viewport_output, modifier.cache_object)
     in_use = {of(nodes_mod) for _, nodes_mod in modifier.wrinkled_objects() for of in hidden}
     candidates = {o for o in bpy.data.objects if output_mesh.KEY in o} - in_use
     if not candidates:
-        return  # the user map looks at the whole file
+        return  # the user map visits the whole file
     for candidate, users in bpy.data.user_map(subset=candidates).items():
         if not users:
             modifier.delete_hidden(candidate)
 
 
 def drop_traces(obj: bpy.types.Object) -> None:
-    """What the wrinkles of an object leave behind when their modifier has gone. Settings and paint stay."""
+    """Remove what the wrinkles of an object leave when their modifier is removed. Settings and paint stay."""
     if obj.rumple.method == "FIELD":
         field_shader.unshade_object(obj, [o for o, _ in modifier.wrinkled_objects() if o.rumple.method == "FIELD"])
     obj.rumple.method = "NONE"
@@ -210,7 +211,8 @@ def drop_traces(obj: bpy.types.Object) -> None:
 
 
 def drop_internal_attributes(obj: bpy.types.Object) -> None:
-    """Rumple's own attributes on a coarse (or applied) mesh; what is for shaders stays where it was applied."""
+    """Remove Rumple's internal attributes from a coarse (or applied) mesh. Attributes for shaders stay on applied
+    meshes."""
     mesh = obj.data
     if not compat.is_editable(mesh) or obj.mode == "EDIT":
         return
@@ -223,7 +225,8 @@ def drop_internal_attributes(obj: bpy.types.Object) -> None:
 
 
 def remove_all(obj: bpy.types.Object) -> None:
-    """Modifier, output object, node group (when the last), attributes and stored frames; the settings stay."""
+    """Remove modifier, output object, node group (if it was the last one), attributes and stored frames. The settings
+    stay."""
     with scheduler.LOCK:
         for child in path_curves.of(obj):
             path_curves.remove(child)

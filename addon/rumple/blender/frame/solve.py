@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The live solve: called between Blender's two evaluation passes, for every depsgraph and every subframe.
+"""The live solve, called between Blender's two evaluation passes, for every depsgraph and every subframe.
 
-The picture is a function of the pose and of stored state (core/frame_cache.py), so it does not matter how often,
-for which depsgraph and in which order this is called. Rules that keep Blender from crashing:
-never update a depsgraph here; while a render runs leave viewport depsgraphs alone; write nothing but attributes of
-the output mesh, and nothing at all when nothing changed; leave baked objects alone.
+The result depends only on the pose and on stored state (core/frame_cache.py), so the number and order of calls and the
+depsgraph do not matter. Rules that keep Blender from crashing: never update a depsgraph here; do not touch viewport
+depsgraphs while a render runs; write only attributes of the output mesh, and nothing if nothing changed; do not touch
+baked objects.
 """
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ TWO_SCENES = "Two windows show this object in two scenes: both have the folds of
 
 
 def process(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
-    """Solve what this depsgraph shows. Never raises."""
+    """Solve the objects of this depsgraph. Never raises."""
     if not scheduler.may_process(depsgraph):
         return
     evaluated = first_pass.seconds_evaluated()
@@ -43,24 +43,24 @@ def process(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
                    if obj not in late and _process_guarded(obj, nodes_mod, scene, depsgraph, outputs_seen,
                                                            obj in differing)]
         for obj, _ours in objects:
-            runtimes.of(obj).pose = None  # it belongs to this call only
+            runtimes.of(obj).pose = None  # valid only in this call
             _note_seconds(runtimes.of(obj), evaluated)
         if written and len(objects) > 1:
             _tag_dependents(written, [obj for obj, _ in objects])
 
 
 def _note_seconds(runtime: Runtime, evaluated: float | None) -> None:
-    """How long this frame took, where it was solved now. evaluated: seconds of what comes before."""
+    """Store the time of this frame, if it was solved in this call. evaluated: seconds before the solve."""
     if evaluated is not None and runtime.solving > 0.0:
         runtime.frame_seconds = evaluated + runtime.solving
     runtime.solving = 0.0
 
 
 def _tag_dependents(written: list[bpy.types.Object], wrinkled: list[bpy.types.Object]) -> None:
-    """Wrinkled objects that lean on a written one saw its last picture: let them be evaluated once more.
+    """Wrinkled objects that depend on a written one have used its former result: let them be evaluated again.
 
-    In background, in renders and in exports nothing can be tagged in time: they are one solve late there
-    (clip_status.py says so).
+    In background mode, in renders and in exports, tags would be too late. There these objects are one solve late
+    (clip_status.py reports it).
     """
     if bpy.app.background or scheduler.rendering() or not scheduler.in_main_thread():
         return
@@ -68,7 +68,7 @@ def _tag_dependents(written: list[bpy.types.Object], wrinkled: list[bpy.types.Ob
 
 
 def _is_late(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier) -> bool:
-    """Whether this depsgraph may not have evaluated its bodies: the modifier does not name them yet."""
+    """Whether this depsgraph may not have evaluated its bodies, because the modifier does not refer to them yet."""
     with messages.frame_errors(obj, runtimes.of(obj)):
         _note_groups(obj)
         if bodies.is_connected(obj, nodes_mod):
@@ -79,7 +79,7 @@ def _is_late(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier) -> bool:
 
 
 def _note_groups(obj: bpy.types.Object) -> None:
-    """Adding and removing vertex groups from scripts tags nothing."""
+    """Detect vertex groups added or removed by scripts, because this tags nothing."""
     runtime = runtimes.known(obj)
     if runtime is not None and runtime.groups is not None and runtime.groups != [group.name
                                                                                  for group in obj.vertex_groups]:
@@ -93,7 +93,7 @@ def _needs_structure(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier) 
 
 
 def _rebuild_here(objects: list, depsgraph: bpy.types.Depsgraph) -> None:
-    """Background mode: rebuild between the passes, with the pose that the old mesh still carries."""
+    """In background mode, rebuild between the passes, with the pose that the old mesh still has."""
     poses = {}
     for obj, _ours in objects:
         with messages.frame_errors(obj, runtimes.of(obj)):
@@ -104,7 +104,7 @@ def _rebuild_here(objects: list, depsgraph: bpy.types.Depsgraph) -> None:
 
 
 def _posed(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> np.ndarray | None:
-    """Coarse positions of this frame, from the tree or, where it passed the coarse mesh through, from that."""
+    """Coarse positions of this frame: from the tree, or from the mesh itself if the tree did not change it."""
     evaluated = obj.evaluated_get(depsgraph)
     if not evaluated.is_evaluated or mesh_reader.is_busy(obj) or visibility.is_skipped(obj, depsgraph):
         return None
@@ -115,7 +115,8 @@ def _posed(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> np.ndarray 
 
 def _process_guarded(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier, scene: bpy.types.Scene,
                      depsgraph: bpy.types.Depsgraph, outputs_seen: set[int], may_differ: bool) -> bool:
-    """True when an output object was written. may_differ: whether viewports may show other points than renders."""
+    """Returns whether an output object was written. may_differ: whether viewports may show other points than
+    renders."""
     runtime = runtimes.of(obj)
     with messages.frame_errors(obj, runtime):
         output_obj = modifier.output_object(nodes_mod)
@@ -125,7 +126,7 @@ def _process_guarded(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier, 
         keys = {compat.session_key(output) for output in modifier.outputs(nodes_mod)}
         if keys & outputs_seen or not all(compat.is_editable(o) and compat.is_editable(o.data)
                                           for o in modifier.outputs(nodes_mod)):
-            scheduler.request()  # a duplicate that is not split yet, or linked: writing would be silently ignored
+            scheduler.request()  # linked, or a duplicate that still shares its output: writing would have no effect
             return False
         outputs_seen |= keys
         if scheduler.may_prepare_frame():
@@ -165,7 +166,7 @@ def _process(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier, output_o
         fine = runtime.evaluator.in_viewport if inputs.in_viewport else runtime.evaluator
         weight_paint.carry_colours(obj, shown, fine, runtime)
     if inputs.same_as(runtime.inputs) and runtime.output_key == compat.session_key(shown.data):
-        messages.set_frame_error(runtime, clip_fault)  # what was wrong in between is as it was before
+        messages.set_frame_error(runtime, clip_fault)  # clear a message of another state
         messages.note_unplayed(runtime, runtime.unplayed, depsgraph.mode == "RENDER")
         return False
     if depsgraph.mode == "VIEWPORT" and _gave_way(runtime, inputs, scene):
@@ -175,8 +176,8 @@ def _process(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier, output_o
 
 
 def _gave_way(runtime: Runtime, inputs: Inputs, scene: bpy.types.Scene) -> bool:
-    """Whether nothing changed in this scene but that another one, in another window, wrote the mesh that both show: to
-    write it back would let that one write again, and so on for ever."""
+    """Whether only another scene, in another window, has written the shared mesh, and nothing else changed. Writing it
+    back would make the other scene write again, without end."""
     if bpy.app.background:
         return False
     scenes = {compat.session_key(window.scene) for window in bpy.context.window_manager.windows}
@@ -192,13 +193,13 @@ def _gave_way(runtime: Runtime, inputs: Inputs, scene: bpy.types.Scene) -> bool:
 
 def _play_clip(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier, output_obj: bpy.types.Object,
                runtime: Runtime, depsgraph: bpy.types.Depsgraph, frame: float) -> tuple[str, bool]:
-    """What is wrong with this frame of a baked clip, and whether the clip is shown all the same: else it is solved."""
+    """The error of this frame of a baked clip, and whether the clip is shown. If it is not, the frame is solved."""
     fault = clip_status.cannot_play(obj, output_obj, frame)
     if fault and runtime.evaluator is None:
         evaluator.ensure(obj, runtime)
     if fault and runtime.evaluator.coarse_count != len(incoming_mesh.of(obj).vertices):
-        fault = ""  # edited since the bake, as its note says: what was made for it is of another mesh
-    can_solve = bool(fault) and _fits(nodes_mod, runtime)  # a clip that comes back counts on it as it is
+        fault = ""  # edited since the bake, as its note says: the evaluator is for another mesh
+    can_solve = bool(fault) and _fits(nodes_mod, runtime)  # a restored clip needs the unchanged output object
     if modifier.play_clip(nodes_mod, not can_solve):
         runtime.stale = True
         scheduler.request()
@@ -209,7 +210,7 @@ def _play_clip(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier, output
 
 def _solve_and_show(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier, shown: bpy.types.Object,
                     runtime: Runtime, inputs: Inputs, scene: bpy.types.Scene, mode: str, clip_fault: str) -> bool:
-    """True when an output object was written: `shown`."""
+    """Returns whether an output object, `shown`, was written."""
     disk_frames.follow(obj, runtime)
     first = units.first_frame(obj, scene)
     runtime.evaluator.settings_are_keyed = properties.are_keyed(obj)
@@ -241,7 +242,8 @@ def _solve(runtime: Runtime, inputs: Inputs, first_frame: int, for_preview: bool
 
 
 def show_fine_meshes() -> None:
-    """Before a file is saved: without the add-on it shows what its output objects hold. Viewports get theirs back."""
+    """Called before a file is saved, because without the add-on it shows the saved output meshes. Viewports get their
+    own meshes back."""
     with LOCK:
         for obj, nodes_mod in modifier.wrinkled_objects():
             runtime, output_obj = runtimes.known(obj), modifier.output_object(nodes_mod)
@@ -258,10 +260,10 @@ def show_fine_meshes() -> None:
                                 in_viewport=False)
                 assert isinstance(result, engine.FrameResult)
                 output_mesh.write_result(output_obj.data, result, runtime.evaluator.ATTRIBUTES)
-                set_flag(output_obj, Flag.COARSE_ONLY, False)  # a bake under way sets it again
+                set_flag(output_obj, Flag.COARSE_ONLY, False)  # a running bake sets it again
                 if inputs.uses_proxy or inputs.shows_coarse:
                     output_mesh.write_proxy(output_obj.data, None)
-            except Exception as error:  # the file is saved all the same
+            except Exception as error:  # the file is saved in any case
                 print(f"Rumple: {messages.unexpected(obj, error)}")
             if inputs.uses_proxy or inputs.shows_coarse:
                 runtime.invalidate_output()
@@ -270,15 +272,15 @@ def show_fine_meshes() -> None:
 
 def _inputs(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier, runtime: Runtime, evaluated: bpy.types.Object,
             scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> Inputs | None:
-    """Everything the picture depends on; None where there is nothing to solve."""
+    """All inputs of the result; None if there is nothing to solve."""
     positions = _incoming(obj, nodes_mod, runtime, depsgraph)
     if positions is None or bodies.are_busy(obj):
         return None
     body = bodies.read(obj, evaluated, depsgraph)
     if runtime.paint is None:
         runtime.paint = mesh_reader.paint(obj, properties.settings_of(obj, units.scene_of(obj)))
-    # The evaluated copy: animated settings are right there, in renders too.
-    # Lengths are in the units of the scene that the fine mesh was made for, whichever looks at it.
+    # Use the evaluated copy, because it has the right animated settings, also in renders. Lengths are in the units of
+    # the scene that the fine mesh was made for, whichever scene is evaluated.
     settings = properties.settings_of(evaluated, units.scene_of(obj))
     world = np.array(evaluated.matrix_world.to_3x3(), np.float32)
     for_viewport = depsgraph.mode == "VIEWPORT"
@@ -291,10 +293,10 @@ def _inputs(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier, runtime: 
 
 
 def _fits(nodes_mod: bpy.types.NodesModifier, runtime: Runtime) -> bool:
-    """Whether the output objects are the meshes that are solved. The costly comparison is made once for each."""
+    """Whether the output objects are the solved meshes. The expensive comparison is made once for each."""
     meshes = [output.data for output in modifier.outputs(nodes_mod)]
     solved = viewport_mesh.solved_for(nodes_mod, runtime.evaluator)
-    if modifier.is_baked(nodes_mod):  # its output objects stay as they are, and only the first is shown
+    if modifier.is_baked(nodes_mod):  # its output objects do not change, and only the first is shown
         meshes, solved = meshes[:1], solved[:1]
     if len(meshes) != len(solved):
         return False
@@ -309,10 +311,10 @@ def _fits(nodes_mod: bpy.types.NodesModifier, runtime: Runtime) -> bool:
 
 def _incoming(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier, runtime: Runtime,
               depsgraph: bpy.types.Depsgraph) -> np.ndarray | None:
-    """Coarse positions of this frame; None where the modifier is off or passed the coarse mesh through."""
+    """Coarse positions of this frame; None if the modifier is off or did not change the mesh."""
     count = runtime.evaluator.coarse_count
     if runtime.refusal and len(incoming_mesh.of(obj).vertices) != count:
-        return None  # what arrives now was refused: the last good picture stays
+        return None  # the current mesh was refused: the last valid result stays
     if runtime.pose is not None and len(runtime.pose) == count:
         return runtime.pose
     positions = posed_coarse.positions(obj, count, depsgraph)
@@ -328,8 +330,8 @@ def _incoming(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier, runtime
 
 
 def _evaluate_outputs(nodes_mod: bpy.types.NodesModifier, runtime: Runtime, frame: float) -> bool:
-    """Let Blender evaluate them where nothing is shown, once a frame: it forgets those of a modifier that was off, of
-    an object that was hidden before, where relations are built meanwhile. True when that was asked for."""
+    """Let Blender evaluate the output objects if nothing is shown, once per frame. Blender forgets them if relations
+    are rebuilt while the modifier is off or the object is hidden. Returns whether this was requested."""
     if runtime.empty_at == frame:
         return False
     runtime.empty_at = frame
@@ -340,8 +342,8 @@ def _evaluate_outputs(nodes_mod: bpy.types.NodesModifier, runtime: Runtime, fram
 
 def _follow_topology(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier, runtime: Runtime, arriving: int,
                      in_render: bool) -> None:
-    """Other points arrive than the wrinkles were made for: let them be made anew. Raises UserError where that was
-    tried, or cannot be. arriving: how many vertices the object has now, modifiers behind the wrinkles included."""
+    """The number of incoming points has changed: request a rebuild. Raises UserError if this was already tried, or is
+    impossible. arriving: the object's current number of vertices, including modifiers behind the wrinkles."""
     changer, own = modifier.topology_changer_before(obj), len(incoming_mesh.of(obj).vertices)
     edited = (own != runtime.evaluator.coarse_count or modifier.coarse_vertices(nodes_mod) != own
               or (changer is None and not incoming_mesh.is_own(obj))
@@ -351,20 +353,20 @@ def _follow_topology(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier, 
                                f"makes another number of vertices here than at rest in the viewport ({own}), so there "
                                "are no wrinkles here: set the same for viewport and renders; where the number changes "
                                f"within the clip, apply it, or move it below {nodes_mod.name}")
-    if edited or (changer is not None and arriving != own):  # else this frame was evaluated just before
+    if edited or (changer is not None and arriving != own):  # otherwise this frame was just evaluated
         runtime.stale, runtime.tried = True, arriving
         scheduler.request()
 
 
 def _show(output_obj: bpy.types.Object, runtime: Runtime, result: engine.FrameResult | engine.PreviewFrame,
           in_viewport: bool) -> bool:
-    """Write the picture, unless it is there already: a write tags the mesh and costs another evaluation."""
+    """Write the result, unless it is already written, because a write tags the mesh and costs another evaluation."""
     key = compat.session_key(output_obj.data)
     shows_coarse = runtime.inputs is not None and runtime.inputs.shows_coarse
     last, showed_coarse = runtime.result, runtime.shows_coarse
     runtime.result, runtime.shows_coarse = result, shows_coarse
     if isinstance(result, engine.PreviewFrame) and result.proxy_offset is None:
-        runtime.output_key = key  # nobody looks at its attributes: they stay as they were written last
+        runtime.output_key = key  # nobody reads its attributes, so they are not updated
         return False
     if (last is not None and runtime.output_key == key and showed_coarse == shows_coarse
             and last.shows_the_same(result)):
