@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// One frame of the base as the Wrinkle Paths see it. For this system and for the handles of the library.
+// One frame of the base, as the Wrinkle Paths use it. For this system and for the library's handles.
 #pragma once
 
 #include <span>
@@ -11,13 +11,13 @@ namespace rumple::wrinkle_paths {
 
 Pose make_welded_pose(const Model& model, std::vector<Vec3> welded);
 
-// What paths stand on: the pose, and the compression of its triangles.
+// The environment of paths: the pose, and the compression of its triangles.
 struct PathContext {
     const Model& model;
     const Pose& pose;
     std::vector<Stretch> stretch;    // per triangle
-    std::vector<float> compression;  // lambda~_min after the mask; 1 where nothing is known
-    std::vector<float> activity;     // 0: has kept its shape of late, 1: moves
+    std::vector<float> compression;  // lambda~_min after the mask; 1 if unknown
+    std::vector<float> activity;     // 0: shape unchanged recently, 1: moves
     std::vector<float> widths{};     // State::width
 
     float width(Index triangle) const { return widths.empty() ? 1.0f : widths[triangle]; }
@@ -40,13 +40,14 @@ struct PathContext {
         return pose.frames[triangle].to_object(Vec3(stretch[triangle].direction, 0.0f));
     }
 };
-// shapes: of the triangles as the paths see them, smoothed in time.
+// shapes: shapes of the triangles as the paths use them, smoothed in time.
 PathContext make_context(const Model& model, const Settings& settings, const Paint& paint, const Pose& pose,
                          const std::vector<FlatTriangle>& shapes, const std::vector<FlatTriangle>& reference,
                          const std::vector<Stretch>& changes);
 
-// The shapes of a pose, as an exponential filter of those in `state`. Squared lengths are filtered: noise
-// lengthens them by its own square only, but shortens the shorter axis, every time, by itself.
+// The shapes of a pose, exponentially filtered with those in `state`. Squared lengths are filtered, not the
+// axes: noise increases squared lengths only by its own square, but it would reduce the shorter axis by its
+// full size every time.
 std::vector<FlatTriangle> smoothed_shapes(const Settings& settings, double seconds, const State* state,
                                           const Pose& pose);
 
@@ -59,7 +60,7 @@ inline Index segment_triangle(const Model& model, const std::vector<PathPoint>& 
     return points[i].edge == kNone ? points[i].triangle : triangle_of(model.net.twin[half_edge(points[i])]);
 }
 
-// 0 at open borders, 1 from settings.hem_rings on: for compression and height.
+// 0 at open borders, 1 from settings.hem_rings rings on. Factor on compression and height.
 float hem_weight(const Model& model, const Settings& settings, Index vertex);
 float hem_weight(const Model& model, const Settings& settings, const SurfacePoint& place);
 

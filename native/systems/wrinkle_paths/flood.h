@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Triangles around one, walking outwards over edges: Gillette 2015, chapter 8. Inside this system only.
+// Flood fill over triangles across edges: Gillette 2015, chapter 8. Only used inside this system.
 #pragma once
 
 #include <vector>
@@ -12,8 +12,8 @@ class TriangleFlood {
   public:
     explicit TriangleFlood(const PathContext& context) : context_(context) {}
 
-    // found(t): of the triangle, and of every one that is reached from it over edges [a, b] of which
-    // crosses(a, b) says so; each once. Ends where found() says true, and says whether it did.
+    // Calls found(t) once for the triangle, and for every triangle reached from it over edges [a, b] for
+    // which crosses(a, b) is true. Stops if found() returns true. Returns whether it did.
     template <typename Crosses, typename Found>
     bool visit(Index triangle, const Crosses& crosses, const Found& found) {
         if (seen_.empty()) seen_.assign(context_.model.rest.size(), 0);
@@ -36,7 +36,7 @@ class TriangleFlood {
 
   private:
     const PathContext& context_;
-    std::vector<Index> seen_;  // per triangle: the last visit that came there
+    std::vector<Index> seen_;  // per triangle: number of the last query that reached it
     std::vector<Index> front_;
     Index query_ = 0;
 };

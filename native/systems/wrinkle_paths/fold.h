@@ -1,20 +1,20 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The shape of a fold over its path: Gillette 2015, chapter 6. Inside this system only.
+// The shape of a fold over its path: Gillette 2015, chapter 6. Only used inside this system.
 #pragma once
 
 #include "systems/wrinkle_paths/walk.h"
 
 namespace rumple::wrinkle_paths {
 
-// A path smoothed (section 6.2), cut into pieces, with the width and height of its fold (section 6.1).
+// A smoothed path (section 6.2), cut into pieces, with the width and height of its fold (section 6.1).
 struct Fold {
     std::vector<formulas::FoldEnd> ends;  // of the pieces
     std::vector<Index> first;             // segments + 1, into pieces
 };
-// The context needs its pose and compression only.
+// Only the context's pose and compression are used.
 Fold make_fold(const PathContext& context, const Settings& settings, const Path& path);
 
-// Of length 1, or zero.
+// The unit vector, or zero.
 Vec3 unit(const Vec3& v);
 
 }  // namespace rumple::wrinkle_paths

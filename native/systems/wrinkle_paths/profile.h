@@ -15,25 +15,25 @@ enum class Profile {
     kSine = formulas::kFoldSine
 };
 
-// A fold of the cloth s = L_max is L wide and h high. Heights h / L that keep the arc length s of the
-// profile, by lookup over the ratio s / L, as the thesis does for the circle.
+// A fold in cloth of length s = L_max is L wide and h high. The table gives h / L for a ratio s / L, so that
+// the profile's arc length is s. The thesis uses such a table for the circle.
 class HeightTable {
   public:
     explicit HeightTable(Profile kind);
-    // ratio: s / L, held within 1 .. kMostRatio. Linear between entries; within 1e-3.
+    // ratio: s / L, clamped to 1 .. kMostRatio. Linear interpolation; error below 1e-3.
     float height_over_width(float ratio) const;
 
   private:
     static constexpr int kIntervals = 128;
-    std::array<float, kIntervals + 1> ratio_;  // at heights evenly spaced from 0
+    std::array<float, kIntervals + 1> ratio_;  // at evenly spaced heights from 0
 };
 const HeightTable& height_table(Profile kind);
 
-// The fold is no narrower than this: L = s / kMostRatio.
+// Limit of the fold's width: L >= s / kMostRatio.
 inline constexpr float kMostRatio = 1.5707964f;
 
 // The circle of the thesis: phi of eq. 6.1 (half the angle of the arc) for s / L = ratio, in 0 .. pi, by
-// Newton's method from pi; and the height of that arc over L. For tests and comparison.
+// Newton's method from pi; and the height of this arc / L. For tests and comparison.
 float circle_half_angle(float ratio);
 float circle_height_over_width(float ratio);
 
