@@ -29,8 +29,8 @@ struct rumple_cloth_cover {
     CoverModel cover;
 };
 
-// Each names every field once, for both directions: api/settings.h. Not in a namespace: found by its
-// arguments.
+// Each of these functions lists all fields once, for both directions: see api/settings.h. They are in no
+// namespace, so that they are found by the types of their arguments.
 template <typename Pair>
 static void pair_fields(rumple_base_cloth_settings& c, base_cloth::Settings& native, const Pair& pair) {
     pair(c.stretch, native.stretch);
@@ -148,8 +148,8 @@ std::vector<float> kept_numbers(const float* data, size_t count, size_t expected
     return out;
 }
 
-// triangles: that a hint may name. Those of the cloth are looked up as they are; those of a body are not,
-// since it may have become another one.
+// triangles: the number of triangles that a hint may refer to. Hints into the cloth are used without a check,
+// so they must be valid. Hints into a body are checked when used, because the body may have changed.
 std::vector<Index> kept_hints(const int32_t* data, size_t count, size_t expected, double triangles,
                               const char* name) {
     expect_rows_or_none(name, count, expected);

@@ -8,7 +8,7 @@ using namespace rumple;
 using namespace rumple::api;
 using force_fields::Field;
 
-// api/settings.h. Not in a namespace: found by its arguments.
+// See api/settings.h. In no namespace, so that it is found by the types of its arguments.
 template <typename Pair>
 static void pair_fields(rumple_force_field& c, Field& native, const Pair& pair) {
     pair.choose("kind", c.kind, native.kind, force_fields::Kind::kTurbulence);

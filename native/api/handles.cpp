@@ -10,7 +10,7 @@ using namespace rumple;
 
 namespace {
 
-// 1 + the last column of a linear map.
+// 1 + the index of the last column of a linear map.
 size_t columns(const SparseRows& rows) {
     const auto last = std::max_element(rows.index.begin(), rows.index.end());
     return last == rows.index.end() ? 0 : size_t(*last) + 1;

@@ -21,7 +21,7 @@ std::vector<Floats> floats_in(const ReferenceState& of) {
 
 }  // namespace
 
-// By its bits, without a branch: a compiler makes it one pass of wide instructions.
+// It tests bits without a branch, so that a compiler can vectorise it.
 bool all_finite(Floats values) {
     constexpr std::uint32_t kExponent = 0x7f800000u;
     std::uint32_t found = 0;
@@ -53,7 +53,7 @@ std::vector<Floats> floats_in(const wrinkle_mesh::LayersState& of) {
     return all;
 }
 
-// solved_offset is infinite where a vertex has never been relaxed.
+// solved_offset is left out, because it is infinite for vertices that were never relaxed.
 std::vector<Floats> floats_in(const wrinkle_field::State& of) {
     std::vector<Floats> all = floats_in(of.reference);
     append(all, {floats_of(of.phase), floats_of(of.direction)});

@@ -162,7 +162,7 @@ struct Table {
     const float* values;
     size_t count;
     int32_t columns;
-    size_t least;  // rows that are read
+    size_t least;  // least number of rows that are read
 };
 
 void carry(const SparseRows& rows, const Table& from, float* out, size_t out_count) {
@@ -219,7 +219,7 @@ void check_starts(std::span<const Index> starts, size_t points) {
     expect_rows("from", points, size_t(starts.back()));
 }
 
-// The rotation row by row, and the translation.
+// The rotation row by row, then the translation.
 std::array<float, 12> written_out(const base_cloth::RigidMotion& motion) {
     const glm::dmat3 r = glm::mat3_cast(motion.turn);
     const glm::dvec3 t = motion.centre + motion.displacement - r * motion.centre;
@@ -280,7 +280,7 @@ rumple_status rumple_frame_get_view(const rumple_frame* frame, rumple_frame_view
 rumple_status rumple_frame_embed(rumple_frame* frame, const float* positions, size_t positions_count) {
     return guarded([&] {
         rumple_frame& f = given(frame, "frame");
-        ShownFrame embedded = f.shown();  // the frame stays as it was where this is refused
+        ShownFrame embedded = f.shown();  // a copy, in case an argument is refused
         embed_frame(f.base, f.mesh, vectors(positions, positions_count, "positions"), embedded);
         write(sound(std::move(embedded.local_offset)), std::span(f.shown().local_offset));
     });

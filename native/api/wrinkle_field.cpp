@@ -11,14 +11,14 @@ using namespace rumple;
 using namespace rumple::api;
 using namespace rumple::wrinkle_field;
 
-// Of a state that is read. Those that are solved have phases of half a turn and unit directions.
+// Limits for the values of a given state. Solved states have phases up to half a turn, and unit directions.
 constexpr double kMostPhase = 1e3;
 constexpr double kMostDirection = 2.0;
 
 static_assert(kProfileIntervals == RUMPLE_PROFILE_INTERVALS);
 static_assert(sizeof(Profile) == sizeof(rumple_wrinkle_field_profile));
 
-// Every field once, for both directions: api/settings.h.
+// Lists all fields once, for both directions: see api/settings.h.
 template <typename Pair>
 static void pair_fields(rumple_wrinkle_field_settings& c, Settings& native, const Pair& pair) {
     pair(c.wavelength, native.wavelength);
@@ -61,7 +61,7 @@ Profile profile_in(const rumple_wrinkle_field_profile* profile) {
     Profile out;
     std::copy_n(given(profile, "profile").height, out.height.size(), out.height.begin());
     std::copy_n(profile->slope, out.slope.size(), out.slope.begin());
-    expect_range("profile height", out.height, -1.001, 1.001);  // 1, and what rounding made of it
+    expect_range("profile height", out.height, -1.001, 1.001);  // 1, with rounding errors
     expect_range("profile slope", out.slope, -1e3, 1e3);
     return out;
 }
@@ -253,7 +253,7 @@ rumple_status rumple_wrinkle_field_solve(const rumple_wrinkle_field* model,
         }
         std::unique_ptr<rumple_wrinkle_field_state> made_state(
             new rumple_wrinkle_field_state{m.model, std::move(solved)});
-        // Waves that are not finite are not given: show() refuses the frame.
+        // Waves that are not finite are not returned. show() refuses such a frame.
         if (waves) *waves = is_sound(field) ? new rumple_waves{m.model, std::move(field)} : nullptr;
         return made_state.release();
     });

@@ -22,7 +22,7 @@ struct rumple_lines {
     Lines lines;
 };
 
-// Every field once, for both directions: api/settings.h.
+// Lists all fields once, for both directions: see api/settings.h.
 template <typename Pair>
 static void pair_fields(rumple_dab& c, Dab& native, const Pair& pair) {
     pair.choose("touch", c.touch, native.touch, Touch::kSmooth);
@@ -84,7 +84,7 @@ rumple_status rumple_dab_apply(const rumple_canvas* canvas, const rumple_dab* da
         const rumple_canvas& c = given(canvas, "canvas");
         const auto* mirrored = of_model(twins, c, "twins");
         const auto out = output<Vec3>(painted, painted_count, painted_count, "painted");
-        std::vector<Vec3> after(out.begin(), out.end());  // nothing is written where it is refused
+        std::vector<Vec3> after(out.begin(), out.end());  // a copy, in case an argument is refused
         apply(*c.model, c.canvas, native_of<Dab>(dab, "dab"),
               mirrored ? std::span(mirrored->places) : std::span<const SurfacePoint>(), after);
         write(after, out);

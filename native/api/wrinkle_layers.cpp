@@ -27,7 +27,7 @@ void scale(std::vector<float>& values, const std::vector<float>& by) {
 
 using Part = std::vector<float> Paint::*;
 
-// A painted factor of all layers, on each of them.
+// Copies a painted factor of all layers to each layer.
 void spread(const Layers& model, const std::vector<float>& base_values, Part part,
             std::vector<Paint>& layers) {
     if (base_values.empty()) return;

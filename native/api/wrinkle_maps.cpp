@@ -18,7 +18,7 @@ struct rumple_wrinkle_maps {
 
 namespace {
 
-// Of a component of a normal that is read: a map of unit normals, with what filters made of it.
+// Limit for a component of a given normal: of a map of unit normals, possibly filtered.
 constexpr double kMostNormal = 1e3;
 
 Floats floats_in(std::span<const Vec3> vectors) {
@@ -44,7 +44,7 @@ Rig rig_of(const rumple_wrinkle_maps_plan& plan) {
     return rig;
 }
 
-// Influences of this model: presence() reads them unchecked.
+// Influences with valid counts, because presence() does not check them.
 Influences influences_of(const Model& model, const float* pose, size_t pose_count, const float* rest,
                          size_t rest_count) {
     expect_rows("pose", pose_count, size_t(model.bones()) * size_t(model.poses()));

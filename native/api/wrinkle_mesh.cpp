@@ -27,7 +27,7 @@ struct rumple_wrinkle_mesh_state {
     State state;
 };
 
-// Every field once, for both directions: api/settings.h.
+// Lists all fields once, for both directions: see api/settings.h.
 template <typename Pair>
 static void pair_fields(rumple_wrinkle_mesh_settings& c, Settings& native, const Pair& pair) {
     pair(c.radius, native.radius);
@@ -136,7 +136,7 @@ Paint paint_in(const rumple_wrinkle_mesh* model, const rumple_wrinkle_mesh_paint
     return of ? of->paint : Paint{};
 }
 
-// solve() or solve_in_order().
+// solve: solve() or solve_in_order().
 template <typename Solve>
 rumple_status solved(const Solve& solve, const rumple_wrinkle_mesh* model,
                      const rumple_wrinkle_mesh_settings* settings, const rumple_wrinkle_mesh_paint* paint,

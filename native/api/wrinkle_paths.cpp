@@ -8,7 +8,7 @@ using namespace rumple;
 using namespace rumple::api;
 using namespace rumple::wrinkle_paths;
 
-// Every field once, for both directions: api/settings.h.
+// Lists all fields once, for both directions: see api/settings.h.
 template <typename Pair>
 static void pair_fields(rumple_wrinkle_paths_settings& c, Settings& native, const Pair& pair) {
     pair_reference(c.rest, native, pair);
@@ -66,7 +66,7 @@ size_t bytes(const std::vector<T>& values) {
     return values.size() * sizeof(T);
 }
 
-// flat: the same paths once more, which a view has made.
+// flat: the copy of the paths for a view.
 size_t bytes_of(const State& state, const PathArrays& flat) {
     size_t points = 0;
     for (const Path& path : state.paths) points += bytes(path.points);
@@ -97,7 +97,7 @@ std::vector<Path> paths_of(const rumple_wrinkle_paths_state_view& from) {
     return paths;
 }
 
-// In order of birth, and those to come are younger.
+// Ids must be ascending, as paths are created, and below next_id.
 void check_ids(const std::vector<Path>& paths, Index next_id) {
     Index least = 0;
     for (const Path& path : paths) {

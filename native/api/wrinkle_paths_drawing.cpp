@@ -15,7 +15,7 @@ struct rumple_curves {
 };
 struct rumple_drawing {
     std::shared_ptr<const Model> model;
-    Drawing drawing;  // without surface: the lists alone
+    Drawing drawing;  // without the surface, only the lists
     bool has_surface;
 };
 

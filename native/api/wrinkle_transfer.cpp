@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Layers over a coarse mesh, shown on the dense one.
+// Layers on a coarse mesh, shown on the dense mesh.
 #include "api/coarse.h"
 #include "api/sound.h"
 #include "api/wrinkle_layers.h"
