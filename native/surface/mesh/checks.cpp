@@ -108,7 +108,7 @@ void check_creases(const SurfaceInput& input) {
 std::vector<EdgeUse> collect_edge_uses(const PolygonMesh& mesh) {
     std::vector<EdgeUse> found;
     found.reserve(mesh.corner_vertex.size());
-    std::vector<Index> begin_of(mesh.vertex_count + 1, 0);  // of the uses whose lower vertex it is
+    std::vector<Index> begin_of(mesh.vertex_count + 1, 0);  // per lower vertex: the index of its first use
     for (Index p = 0; p < mesh.polygons(); ++p) {
         const Index begin = mesh.polygon_start[p], end = mesh.polygon_start[p + 1];
         for (Index c = begin; c < end; ++c) {
@@ -119,7 +119,7 @@ std::vector<EdgeUse> collect_edge_uses(const PolygonMesh& mesh) {
         }
     }
     std::partial_sum(begin_of.begin(), begin_of.end(), begin_of.begin());
-    // A vertex has few uses: put beside one another they are sorted in no time, all of them at once are not.
+    // A vertex has few uses. Grouped by vertex they are sorted much faster than all at once.
     std::vector<EdgeUse> uses(found.size());
     std::vector<Index> next(begin_of.begin(), begin_of.end() - 1);
     for (const EdgeUse& use : found) uses[next[use.a]++] = use;
@@ -214,7 +214,7 @@ void check_edges(const PolygonMesh& mesh) {
 }
 
 PolygonMesh split_fans(const PolygonMesh& mesh, std::vector<Index>& fans) {
-    // Corners of one vertex belong to one fan when an edge leads from polygon to polygon.
+    // Two corners of one vertex belong to the same fan if their polygons share an edge at it.
     DisjointSets sets(mesh.corners());
     const std::vector<EdgeUse> uses = collect_edge_uses(mesh);
     std::vector<Index> next(mesh.corners());
@@ -232,7 +232,7 @@ PolygonMesh split_fans(const PolygonMesh& mesh, std::vector<Index>& fans) {
     fans.assign(mesh.vertex_count, 0);
     for (Index c = 0; c < mesh.corners(); ++c) {
         const Index root = sets.find(c);
-        if (root == c) {  // a root is the lowest of its fan, so it is seen first
+        if (root == c) {  // a root is the lowest corner of its fan, so it is visited first
             split.corner_vertex[c] = split.vertex_count++;
             ++fans[mesh.corner_vertex[c]];
         } else {
@@ -243,8 +243,8 @@ PolygonMesh split_fans(const PolygonMesh& mesh, std::vector<Index>& fans) {
 }
 
 std::vector<Edge> check_manifold(const PolygonMesh& mesh) {
-    using Checker = OpenMesh::PolyConnectivity;  // a mesh without points: we ask only how it is joined
-    // OpenMesh also prints what it refuses; we say it ourselves.
+    using Checker = OpenMesh::PolyConnectivity;  // without points: only connectivity is checked
+    // OpenMesh also prints errors. Our own messages replace them.
     [[maybe_unused]] static const bool silenced = (::omerr().disable(), true);
     Checker checker;
     checker.reserve(mesh.vertex_count, mesh.vertex_count + mesh.polygons(), mesh.polygons());
@@ -263,7 +263,7 @@ std::vector<Edge> check_manifold(const PolygonMesh& mesh) {
     edges.reserve(checker.n_edges());
     for (const auto edge : checker.edges()) {
         const Index a = edge.v0().idx(), b = edge.v1().idx();
-        const Index p = edge.h0().face().idx(), q = edge.h1().face().idx();  // -1, kNone, where there is none
+        const Index p = edge.h0().face().idx(), q = edge.h1().face().idx();  // -1 = kNone without a face
         const bool is_border = p == kNone || q == kNone;
         edges.push_back({std::min(a, b), std::max(a, b), is_border ? std::max(p, q) : std::min(p, q),
                          is_border ? kNone : std::max(p, q)});

@@ -14,9 +14,8 @@
 namespace rumple {
 namespace {
 
-constexpr double kFoldedBack =
-    -0.9;                         // cosine: polygons that meet at a sharper fold do not continue one another
-constexpr double kTurned = 0.25;  // how much better polygons must fit that are wound against one another
+constexpr double kFoldedBack = -0.9;  // cosine: polygons that meet at a sharper fold are not neighbours
+constexpr double kTurned = 0.25;      // penalty on the fit of polygons with opposite winding
 
 using Pair = std::array<Index, 2>;
 
@@ -52,7 +51,7 @@ void split_repeated_vertices(HealedMesh& healed) {
     }
 }
 
-// Whether q has the vertices of p in their order, forwards or backwards.
+// Whether q has the vertices of p in the same cyclic order, forwards or backwards.
 bool has_same_cycle(const PolygonMesh& mesh, Index p, Index q) {
     const auto of = [&](Index polygon) {
         return std::vector<Index>(mesh.corner_vertex.begin() + mesh.polygon_start[polygon],
@@ -74,7 +73,7 @@ void detach_polygon(HealedMesh& healed, Index p) {
         healed.mesh.corner_vertex[c] = copy_vertex(healed, healed.mesh.corner_vertex[c]);
 }
 
-// Leaves out what lies on another polygon. Those that only share its vertices get vertices of their own.
+// Removes polygons that lie on another polygon. Polygons that only share its vertices get their own vertices.
 void drop_doubled_polygons(HealedMesh& healed) {
     PolygonMesh& mesh = healed.mesh;
     std::vector<bool> dropped(mesh.polygons(), false);
@@ -109,7 +108,7 @@ void drop_doubled_polygons(HealedMesh& healed) {
 
 // ---- edges with many polygons
 
-// The uses [begin, end) of one edge, two by two: those first that continue one another best.
+// Joins the uses [begin, end) of one edge in pairs, starting with the pair that continues best.
 void join_best(const std::vector<EdgeUse>& uses, std::size_t begin, std::size_t end,
                const std::vector<glm::dvec3>& inward, std::vector<Joint>& joints) {
     struct Choice {
@@ -134,8 +133,8 @@ void join_best(const std::vector<EdgeUse>& uses, std::size_t begin, std::size_t 
     }
 }
 
-// The way from an edge into the polygon whose corner begins it: unit, across the edge; 0 where it has no
-// area.
+// The direction from an edge into the polygon, at the corner where the edge starts: unit, at right angles to
+// the edge; zero without area.
 glm::dvec3 way_inward(const HealedMesh& healed, std::span<const Vec3> positions, Index polygon,
                       Index corner) {
     const auto at = [&](Index c) {
@@ -147,7 +146,7 @@ glm::dvec3 way_inward(const HealedMesh& healed, std::span<const Vec3> positions,
     return length > 0.0 ? way / length : glm::dvec3(0.0);
 }
 
-// Which polygons stay joined. cut: gets the edges that have more.
+// Determines which polygons stay joined. cut: receives the edges with more than two polygons.
 std::vector<Joint> join_polygons(const HealedMesh& healed, std::span<const Vec3> positions,
                                  std::set<Pair>& cut) {
     const std::vector<EdgeUse> uses = collect_edge_uses(healed.mesh);
@@ -167,8 +166,8 @@ std::vector<Joint> join_polygons(const HealedMesh& healed, std::span<const Vec3>
     return joints;
 }
 
-// The seams that will be welded, and those that only their winding keeps apart. Of layers that lie on one
-// another neither is turned.
+// The seams that will be welded, and seams that are not welded only because of their winding. If layers lie
+// on one another, neither is turned.
 std::vector<Joint> join_seams(const HealedMesh& healed, std::span<const Vec3> positions) {
     std::vector<Vec3> at;
     for (const Index v : healed.vertex_source) at.push_back(positions[v]);
@@ -189,7 +188,7 @@ std::vector<Joint> join_seams(const HealedMesh& healed, std::span<const Vec3> po
 
 // ---- cutting
 
-// Splits the vertices of cut edges into the fans of polygons that are still joined around them.
+// Splits the vertices of cut edges, so that each fan of still joined polygons has its own vertex.
 void split_along(HealedMesh& healed, const std::vector<Joint>& joints, const std::set<Pair>& cut) {
     PolygonMesh& mesh = healed.mesh;
     const std::vector<Index> polygon = polygons_of_corners(mesh);
@@ -202,7 +201,7 @@ void split_along(HealedMesh& healed, const std::vector<Joint>& joints, const std
     }
     std::vector<bool> is_cut(mesh.vertex_count, false);
     for (const Pair& edge : cut) is_cut[edge[0]] = is_cut[edge[1]] = true;
-    std::vector<bool> used(mesh.vertex_count, false);  // by its first fan
+    std::vector<bool> used(mesh.vertex_count, false);  // whether a fan has already kept the vertex
     std::vector<Index> vertex_of(mesh.corners(), kNone);
     for (Index c = 0; c < mesh.corners(); ++c) {
         Index& vertex = mesh.corner_vertex[c];
@@ -218,15 +217,15 @@ void turn_polygons(HealedMesh& healed, const std::vector<bool>& turned) {
     for (Index p = 0; p < healed.mesh.polygons(); ++p) {
         if (!turned[p]) continue;
         const Index begin = healed.mesh.polygon_start[p], end = healed.mesh.polygon_start[p + 1];
-        // The first corner stays the first.
+        // The first corner does not change.
         std::reverse(healed.mesh.corner_vertex.begin() + begin + 1, healed.mesh.corner_vertex.begin() + end);
         std::reverse(healed.corner_source.begin() + begin + 1, healed.corner_source.begin() + end);
         healed.turned.push_back(healed.polygon_source[p]);
     }
 }
 
-// The end of a cut inside a part leaves its edge with all its polygons: the last of them gets vertices of its
-// own.
+// If a cut ends inside a part, all polygons at its last edge are still connected there. The last of these
+// polygons gets its own vertices.
 void detach_what_is_left(HealedMesh& healed, std::set<Pair>& named_cut) {
     for (bool clean = false; !clean;) {
         clean = true;
@@ -245,7 +244,7 @@ void detach_what_is_left(HealedMesh& healed, std::set<Pair>& named_cut) {
     }
 }
 
-// The triangles of the polygons that are left, as their corners stand now.
+// The triangles of the remaining polygons, with the current indices of their corners.
 std::vector<Index> triangles_of(const HealedMesh& healed, const SurfaceInput& input,
                                 const std::vector<bool>& turned) {
     std::vector<Index> place(input.corner_vertex.size(), kNone);

@@ -8,13 +8,13 @@ namespace rumple {
 namespace {
 
 constexpr double kInsideOut =
-    0.03;  // volume over area^1.5 from which a part is a tube or a bag, and no sheet; a ball has 0.094
+    0.03;  // least volume / area^1.5 of a tube or a bag; a sheet has less; a ball has 0.094
 
 struct Side {
     Index polygon;
     bool turned;
 };
-using Sides = std::vector<std::vector<Side>>;  // of every polygon
+using Sides = std::vector<std::vector<Side>>;  // for every polygon
 
 Sides sides_of(const std::vector<Joint>& joints, const std::vector<Index>& polygon_of, Index polygons) {
     Sides sides(polygons);
@@ -26,8 +26,8 @@ Sides sides_of(const std::vector<Joint>& joints, const std::vector<Index>& polyg
     return sides;
 }
 
-// The polygons that are joined or sewn to one, itself first, and in `turned` which are wound the other way
-// than it.
+// The polygons that are connected to one polygon by joints or seams, itself first. `turned` receives whether
+// they have the opposite winding to it.
 std::vector<Index> part_of(Index first, const Sides& joined, const Sides& sewn, std::vector<bool>& reached,
                            std::vector<bool>& turned) {
     std::vector<Index> part{first};
@@ -40,7 +40,7 @@ std::vector<Index> part_of(Index first, const Sides& joined, const Sides& sewn, 
             part.push_back(q);
         }
     };
-    // All that is joined before what is sewn on: a seam that fits badly cuts nothing.
+    // Follows all joints before any seam, so that a seam with a wrong winding does not cut a joint.
     for (std::size_t next = 0, seam = 0; seam < part.size();) {
         if (next < part.size()) {
             go_on(part[next++], joined);
@@ -52,7 +52,7 @@ std::vector<Index> part_of(Index first, const Sides& joined, const Sides& sewn, 
 }
 
 // Whether a part faces inwards: 3V = sum over polygons of (corner - middle) . area, as for a closed surface.
-// The openings of a garment add little, since it is measured from the middle of the part.
+// The openings of a garment change the result little, because the part's middle is the origin.
 bool is_inside_out(const HealedMesh& healed, std::span<const Vec3> positions, const std::vector<Index>& part,
                    const std::vector<bool>& turned) {
     const auto first_of = [&](Index p) {

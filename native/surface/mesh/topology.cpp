@@ -16,7 +16,7 @@
 namespace rumple {
 namespace {
 
-// "WHAT: 3 <things>, the first is NAME", once there is at least one.
+// Reports "WHAT: 3 <things>, the first is NAME" if there is at least one.
 class Tally {
   public:
     void add(const std::string& name) {
@@ -35,7 +35,7 @@ class Tally {
 void join_vertices(Surface& surface, const std::vector<Index>& class_of) {
     surface.welded_of.resize(class_of.size());
     for (Index v = 0; v < surface.display.vertex_count; ++v) {
-        if (class_of[v] == v) {  // the lowest of its class, so it is seen first
+        if (class_of[v] == v) {  // the lowest of its class, so it is visited first
             surface.welded_of[v] = static_cast<Index>(surface.representative.size());
             surface.representative.push_back(v);
         } else {
@@ -47,9 +47,9 @@ void join_vertices(Surface& surface, const std::vector<Index>& class_of) {
     for (Index& v : surface.welded.corner_vertex) v = surface.welded_of[v];
 }
 
-// One corner per OpenMesh fan. Two fans in one vertex (a bow tie) are tolerated:
-// OpenSubdiv keeps such a vertex as a sharp corner and the solver asks only for edges.
-// The edges that OpenMesh found there are those of the surface.
+// OpenMesh needs one vertex per fan of polygons. Two fans at one vertex (a bow tie) are allowed: OpenSubdiv
+// treats such a vertex as a sharp corner, and the solver only uses edges. The edges that OpenMesh finds are
+// those of the surface.
 void join_fans(Surface& surface) {
     std::vector<Index> fans;
     const PolygonMesh split = split_fans(surface.welded, fans);
@@ -85,7 +85,7 @@ void copy_triangles(Surface& surface, const SurfaceInput& input) {
     }
 }
 
-// Creases of the caller's vertices -> of the welded mesh.
+// Converts creases from the caller's vertices to the welded mesh.
 void keep_creases(Surface& surface, std::span<const Crease> given) {
     std::vector<Crease> creases;
     for (const Crease& crease : given) {
@@ -156,8 +156,8 @@ Surface build_surface(const SurfaceInput& input) {
     surface.display.vertex_count = static_cast<Index>(input.positions_rest.size());
     surface.display.polygon_start.assign(input.polygon_start.begin(), input.polygon_start.end());
     surface.display.corner_vertex.assign(input.corner_vertex.begin(), input.corner_vertex.end());
-    // Before welding, so that the errors are in the caller's numbering; find_weld()
-    // joins nothing that would bring one of them back.
+    // Before welding, so that errors have the caller's vertex numbers. find_weld() joins nothing that would
+    // cause such an error.
     check_polygons(surface.display);
     check_edges(surface.display);
     stop_if_asked();
@@ -235,7 +235,7 @@ std::array<Index, 3> display_vertices(const Surface& surface, Index triangle) {
 void weld_positions(const Surface& surface, std::span<const Vec3> display, std::span<Vec3> welded) {
     assert(display.size() == surface.welded_of.size());
     assert(welded.size() == surface.representative.size());
-    // In doubles, so that the mean of equal positions is that position to the bit.
+    // In double precision, so that the mean of equal positions is exactly this position.
     std::vector<glm::dvec3> sum(welded.size(), glm::dvec3(0.0));
     std::vector<Index> count(welded.size(), 0);
     for (std::size_t v = 0; v < display.size(); ++v) {

@@ -25,8 +25,8 @@ struct CellHash {
     }
 };
 
-// place[v]: the lowest vertex, among `vertices`, at the place of v; kNone for others.
-// A vertex joins the first earlier place within `distance`, so that places do not chain.
+// place[v]: the lowest of `vertices` at the same place as v; kNone for others. A vertex joins an earlier
+// place within `distance`; its distance to the place's first vertex counts, so places do not form chains.
 std::vector<Index> find_places(std::span<const Vec3> positions, const std::vector<Index>& vertices,
                                double distance) {
     std::vector<Index> place(positions.size(), kNone);
@@ -53,7 +53,7 @@ std::vector<Index> find_places(std::span<const Vec3> positions, const std::vecto
     return place;
 }
 
-// A boundary edge from place to place, a < b among places.
+// A boundary edge between two places, a < b.
 struct BoundaryEdge {
     Index a, b;
     bool forward;
@@ -69,7 +69,7 @@ std::vector<BoundaryEdge> collect_boundary_edges(const std::vector<EdgeUse>& use
         if (end - i != 1) continue;
         Index from = uses[i].a, to = uses[i].b;
         if (!uses[i].forward) std::swap(from, to);
-        if (place[from] == place[to]) continue;  // a zero-length edge has no direction to pair by
+        if (place[from] == place[to]) continue;  // an edge of zero length has no direction for a pair
         const bool forward = place[from] < place[to];
         if (!forward) std::swap(from, to);
         boundary.push_back({place[from], place[to], forward, uses[i].corner, {from, to}});
@@ -82,7 +82,8 @@ std::vector<BoundaryEdge> collect_boundary_edges(const std::vector<EdgeUse>& use
 
 using SeamPair = std::array<BoundaryEdge, 2>;
 
-// Boundary edges that lie on one another, two by two. `crowded` gets a vertex of every place where more do.
+// Pairs of boundary edges that lie on one another. `crowded` receives a vertex of every place with more than
+// two.
 std::vector<SeamPair> pair_edges(const std::vector<BoundaryEdge>& boundary, std::vector<Index>& crowded) {
     std::vector<SeamPair> pairs;
     for (std::size_t i = 0, end = 0; i < boundary.size(); i = end) {
@@ -97,7 +98,7 @@ std::vector<SeamPair> pair_edges(const std::vector<BoundaryEdge>& boundary, std:
     return pairs;
 }
 
-// Classes (their lowest vertices) whose joining breaks the mesh.
+// Classes (their lowest vertices) that make the mesh invalid if they are joined.
 std::vector<Index> find_broken_classes(const PolygonMesh& mesh, const std::vector<Index>& class_of) {
     PolygonMesh welded = mesh;
     for (Index& v : welded.corner_vertex) v = class_of[v];
@@ -142,8 +143,8 @@ std::vector<Index> places_of_rim(const std::vector<EdgeUse>& uses, std::span<con
     return find_places(positions, find_rim(uses), kWeldDistance * bounding_diagonal(positions));
 }
 
-// Joins the seams that touch no barred vertex. A seam is joined at both ends or
-// at none: joined at one, its faces would meet in a point.
+// Joins the seams without a barred vertex. A seam is joined at both ends or not at all: joined at one end,
+// its faces would meet only in a point.
 std::vector<Index> join_seams(const std::vector<SeamPair>& seams, const std::vector<bool>& barred) {
     DisjointSets classes(static_cast<Index>(barred.size()));
     for (const auto& [x, y] : seams) {
@@ -179,8 +180,8 @@ Weld find_weld(const PolygonMesh& mesh, std::span<const Vec3> positions) {
         return overlap;
     });
 
-    // Join all, then take back, class by class, what breaks the mesh. Every
-    // round bars a class of two or more vertices for good, so the loop ends.
+    // Join all classes, then split those that make the mesh invalid. Every round bars a class of two or more
+    // vertices permanently, so the loop ends.
     Weld weld;
     std::vector<bool> barred(mesh.vertex_count, false);
     for (bool clean = false; !clean;) {

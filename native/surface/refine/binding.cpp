@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Where fine vertices sit on the base, and how seams open again.
+// Positions of fine vertices on the base, and splitting fine vertices at seams.
 #include <algorithm>
 #include <cassert>
 #include <cmath>
@@ -16,10 +16,10 @@
 namespace rumple {
 namespace {
 
-// Fewer searches take a millisecond or two on one thread.
+// Fewer queries take only a millisecond or two on one thread.
 constexpr size_t kQueriesForTeam = 1'000;
 
-// The triangles of every polygon: polygon p owns triangle[start[p]] to triangle[start[p + 1] - 1].
+// The triangles of every polygon: polygon p has triangle[start[p]] to triangle[start[p + 1] - 1].
 struct PolygonTriangles {
     std::vector<Index> start;
     std::vector<Index> triangle;
@@ -63,7 +63,7 @@ struct VertexCorners {
     }
 };
 
-// Fine corner <- base display vertices.
+// Rows: fine corners; columns: display vertices of the base.
 SparseRows corners_from_display(const Surface& surface, const FineMesh& fine) {
     SparseRows pick;
     for (Index v : surface.display.corner_vertex) {
@@ -73,7 +73,7 @@ SparseRows corners_from_display(const Surface& surface, const FineMesh& fine) {
     return compose(fine.corner_from_parent, pick);
 }
 
-// Whether two rows have weights in the same columns, which are ascending.
+// Whether two rows have weights in the same columns. Columns are ascending.
 bool have_same_columns(const SparseRows& rows, Index r, Index s) {
     Index i = rows.start[r], j = rows.start[s];
     while (true) {
@@ -135,13 +135,13 @@ std::vector<SurfacePoint> closest_points(const Surface& surface, std::span<const
 
 Unwelded unweld(const Surface& surface, const FineMesh& fine) {
     const SparseRows corner_rows = corners_from_display(surface, fine);
-    // Corners of one fine vertex that draw on the same display vertices are one
-    // vertex: across a seam they draw on different ones.
+    // Corners of one fine vertex that depend on the same display vertices become one vertex. At a seam the
+    // sides depend on different display vertices.
     const VertexCorners corners(fine.mesh);
     Unwelded result;
     result.mesh.polygon_start = fine.mesh.polygon_start;
     result.mesh.corner_vertex.resize(fine.mesh.corner_vertex.size());
-    std::vector<Index> differing;  // corners, one of every new vertex
+    std::vector<Index> differing;  // one corner of every new vertex
     for (Index v = 0; v < fine.mesh.vertex_count; ++v) {
         stop_if_asked(std::size_t(v));
         differing.clear();

@@ -18,19 +18,18 @@ namespace {
 struct Piece {
     Index base;
     Index vertex[3];
-    Index line[3];          // line[k] leads from vertex k to vertex k + 1
-    glm::dvec3 weights[3];  // of the base triangle's corners, at each vertex
+    Index line[3];          // line[k] is from vertex k to vertex k + 1
+    glm::dvec3 weights[3];  // weights of the base triangle's corners, for each vertex
 };
 
-// An edge and the pieces beside it; the second is kNone on a boundary.
+// An edge and its adjacent pieces. The second is kNone on a boundary.
 struct Line {
     Index a;
     Index b;
     Index piece[2];
 };
 
-// The longest line first; of equal ones the first made. A line that was split
-// leaves an entry behind whose length is no longer its own.
+// Sorted by length, then by creation. A split line leaves an entry with its former length in the queue.
 struct Entry {
     double length;
     Index line;
@@ -40,8 +39,8 @@ struct Entry {
     }
 };
 
-// A conforming triangle mesh. Because the longest edge of all is split first, it
-// is the longest of its triangles too: angles stay bounded (Rivara 1984).
+// A conforming triangle mesh. The longest edge of the whole mesh is split first, so it is also the longest
+// edge of its triangles. This keeps angles bounded (Rivara 1984).
 class Bisection {
   public:
     Bisection(const Surface& surface, FineMesh& fine) : surface_(surface), fine_(fine) {
@@ -72,7 +71,7 @@ class Bisection {
         }
     }
 
-    // Base triangle by base triangle, so that neighbours in memory are neighbours on the cloth.
+    // In the order of base triangles, so that neighbours on the cloth are close in memory.
     void write_triangles() {
         std::stable_sort(pieces_.begin(), pieces_.end(),
                          [](const Piece& x, const Piece& y) { return x.base < y.base; });
@@ -101,7 +100,7 @@ class Bisection {
         pieces_.push_back(piece);
     }
 
-    // Line a-b becomes a-m, and a new line m-b begins; so do lines across the pieces beside it.
+    // Line a-b becomes a-m, with a new line m-b. The adjacent pieces are split by new lines too.
     void split(Index line) {
         const Line whole = lines_[line];
         const Index middle = add_middle(line);
@@ -116,7 +115,7 @@ class Bisection {
         for (Index l = rest; l < static_cast<Index>(lines_.size()); ++l) queue_.push({length(l), l});
     }
 
-    // A vertex in the middle of the line, with the weights of the first piece beside it.
+    // Adds a vertex in the middle of the line, with weights from the first adjacent piece.
     Index add_middle(Index line) {
         const Piece& piece = pieces_[lines_[line].piece[0]];
         const int k = side_of(piece, line);
@@ -133,16 +132,16 @@ class Bisection {
         return piece.line[0] == line ? 0 : piece.line[1] == line ? 1 : 2;
     }
 
-    // Cuts the piece from the middle of its side k (from p to q) to the opposite
-    // vertex o: the piece keeps one half, a new piece gets the other. Returns
-    // the one that holds the end b of the line, beside `rest`.
+    // Cuts the piece from the middle of its side k (from p to q) to the opposite vertex o. The piece keeps
+    // one half, a new piece gets the other one. Returns the piece with the end b of the line, which is
+    // adjacent to `rest`.
     Index bisect(Index index, Index line, Index rest, Index middle) {
         const Piece whole = pieces_[index];
         const int p = side_of(whole, line), q = (p + 1) % 3, o = (p + 2) % 3;
         const glm::dvec3 weights = 0.5 * (whole.weights[p] + whole.weights[q]);
         const Index twin = static_cast<Index>(pieces_.size());
         const Index cut = static_cast<Index>(lines_.size());
-        const bool forward = whole.vertex[p] == lines_[line].a;  // the line leads from p to q
+        const bool forward = whole.vertex[p] == lines_[line].a;  // the line is from p to q
         lines_.push_back({middle, whole.vertex[o], {index, twin}});
 
         Piece at_p = whole, at_q = whole;
@@ -154,10 +153,10 @@ class Bisection {
         at_q.weights[p] = weights;
         at_q.line[p] = forward ? rest : line;
         at_q.line[o] = cut;
-        // The half at the line's end a keeps the index, so that `line` need not change.
+        // The half at the line's end a keeps its index, so that `line` need not be changed.
         pieces_[index] = forward ? at_p : at_q;
         pieces_.push_back(forward ? at_q : at_p);
-        const Index outer = forward ? whole.line[q] : whole.line[o];  // the side that moves to the twin
+        const Index outer = forward ? whole.line[q] : whole.line[o];  // the side that now belongs to the twin
         std::replace(lines_[outer].piece, lines_[outer].piece + 2, index, twin);
         return twin;
     }

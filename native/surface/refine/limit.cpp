@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Points of the subdivision limit surface at any place of the base.
 //
-// OpenSubdiv speaks of ptex faces: a triangle of a Loop mesh and a quad of a
-// Catmull-Clark mesh are one, a polygon of n other corners is n, the i-th at
-// corner i:
+// OpenSubdiv uses ptex faces. A triangle of a Loop mesh and a quad of a Catmull-Clark mesh are one ptex face.
+// Any other polygon with n corners is n ptex faces, the i-th at corner i:
 //
 //   quad           3 --- 2     triangle  2        n-gon, sub-face i:
 //   (u, v)         |     |               | \        (0,0) corner i
@@ -27,24 +26,24 @@ namespace {
 using LimitFactory = Far::LimitStencilTableFactoryReal<double>;
 
 struct PtexPlace {
-    int face = 0;  // within the polygon
+    int face = 0;  // ptex face within the polygon
     double u = 0.0;
     double v = 0.0;
 };
 
-// The polygon is laid out as the regular n-gon around the origin with corner 0
-// at (1, 0): every triangulation of a polygon is one of the regular n-gon too,
-// so that places map one to one, whatever the shape at rest (concave, bent, flat).
+// Maps the polygon to the regular n-gon around the origin with corner 0 at (1, 0). Every triangulation of a
+// polygon is also one of the regular n-gon, so this map is one-to-one for any rest shape (concave, bent,
+// flat).
 glm::dvec2 corner_in_regular_polygon(Index i, Index n) {
     const double angle = 2.0 * std::numbers::pi * i / n;
     return {elementary::cos(angle), elementary::sin(angle)};
 }
 
 // Sub-face i is the kite of corner (1), the middles of its two edges and the
-// centre (0). In coordinates x from the corner to the centre and y across, with
-// s = u + v and d = u - v, its bilinear map is
-//   y = d * half_width,   x = s * depth + u v * c,   u v = (s^2 - d^2) / 4,
-// so d is known and s is the root of a quadratic, written without cancellation.
+// centre (0). x is the coordinate from the corner to the centre, y the one at right
+// angles. With s = u + v and d = u - v its bilinear map is
+//   y = d * half_width,   x = s * depth + u v * c,   u v = (s^2 - d^2) / 4.
+// So d is known, and s is the root of a quadratic, in a form without cancellation.
 PtexPlace invert_kite(const glm::dvec2& p, Index n) {
     const double turn = 2.0 * std::numbers::pi / n;
     Index i = static_cast<Index>(std::lround(elementary::atan2(p.y, p.x) / turn));
@@ -85,8 +84,8 @@ PtexPlace to_ptex(const Surface& surface, const SurfacePoint& place, bool loop) 
     return result;
 }
 
-// Irregular vertices and creases are isolated so far, then OpenSubdiv puts Gregory patches around the
-// vertices. Along creases that stay, its patches end as they do at borders.
+// Isolates irregular vertices and creases up to this level. OpenSubdiv then uses Gregory patches around the
+// vertices. Along infinitely sharp creases its patches end as at borders.
 void refine_adaptively(Far::TopologyRefiner& refiner, const PolygonMesh& mesh, Index levels) {
     Far::TopologyRefiner::AdaptiveOptions options(levels);
     options.useInfSharpPatch = !mesh.creases.empty();
@@ -104,20 +103,20 @@ SparseRows limit_rows_at(const Far::TopologyRefiner& refiner, const LimitFactory
     return copy_rows(*table, column_of);
 }
 
-// A corner of a polygon. Its coordinates live as long as the program.
+// The location of a polygon's corner. Its coordinates are static, because the location refers to them.
 LimitFactory::LocationArray location_of_corner(const Far::PtexIndices& ptex, Index polygon, Index size,
                                                Index corner, bool loop) {
     static constexpr double kZero = 0.0, kOne = 1.0;
     LimitFactory::LocationArray location;
     location.numLocations = 1;
-    const bool is_one_face = loop || size == 4;  // of ptex
+    const bool is_one_face = loop || size == 4;  // one ptex face
     location.ptexIdx = ptex.GetFaceId(polygon) + (is_one_face ? 0 : corner);
     location.s = is_one_face && (corner == 1 || (corner == 2 && !loop)) ? &kOne : &kZero;
     location.t = is_one_face && corner >= 2 ? &kOne : &kZero;
     return location;
 }
 
-// Rows of attached places to their places; unattached ones get an empty row.
+// Distributes the rows of attached places to all places. Unattached places get an empty row.
 SparseRows spread_rows(const SparseRows& attached, std::span<const SurfacePoint> places) {
     SparseRows rows;
     Index r = 0;
@@ -156,7 +155,7 @@ SparseRows limit_stencils(const Surface& surface, std::span<const SurfacePoint> 
     const Far::PtexIndices ptex(*refiner);
     const bool loop = refiner->GetSchemeType() == Sdc::SCHEME_LOOP;
 
-    std::vector<double> u, v;  // of attached places; reserved, as locations point into them
+    std::vector<double> u, v;  // of attached places; reserved, because locations have pointers into them
     u.reserve(places.size());
     v.reserve(places.size());
     LimitFactory::LocationArrayVec locations;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Linear weights of refined corners and vertices. OpenSubdiv's tables of them take ten times as long to make.
+// Linear weights of refined corners and vertices. OpenSubdiv's tables for them take ten times as long.
 #include <algorithm>
 
 #include "base/stop.h"
@@ -8,11 +8,11 @@
 namespace rumple {
 namespace {
 
-// What the faces of one level are of the mesh: the polygon that each lies in, and for each of its corners a
-// weight for every corner of that polygon.
+// The faces of one level: the polygon that contains each face, and for each corner of the face a weight for
+// every corner of this polygon.
 struct Corners {
     std::vector<Index> polygon;
-    std::vector<std::size_t> start;  // per face: its first weight
+    std::vector<std::size_t> start;  // per face: index of its first weight
     std::vector<double> weight;
 };
 
@@ -28,7 +28,7 @@ Corners unrefined(const PolygonMesh& mesh) {
     return out;
 }
 
-// A corner of a refined face is where its parent had a corner, in the middle of a side, or in its centre.
+// A corner of a refined face is at a corner, in the middle of a side, or in the centre of its parent.
 void add_corner(const Far::TopologyLevel& parents, int face, int child, const double* weights, Index n,
                 std::vector<double>& out) {
     const Far::ConstIndexArray vertices = parents.GetFaceVertices(face), sides = parents.GetFaceEdges(face);
@@ -62,7 +62,7 @@ Corners refined(const Far::TopologyRefiner& refiner, int level, const Corners& b
     return out;
 }
 
-// The weights of one corner by vertices of the mesh: sorted, one entry a column, zeros dropped.
+// Converts the weights of one corner to vertices of the mesh: sorted, one entry per column, without zeros.
 void add_row(std::vector<std::pair<Index, double>>& entries, SparseRows& rows) {
     std::ranges::sort(entries);
     for (std::size_t k = 0; k < entries.size();) {
@@ -81,7 +81,7 @@ LinearRows linear_rows(const Far::TopologyRefiner& refiner, const PolygonMesh& m
     for (int l = 1; l <= refiner.GetMaxLevel(); ++l) last = refined(refiner, l, last, mesh);
     const Far::TopologyLevel& level = refiner.GetLevel(refiner.GetMaxLevel());
     LinearRows out;
-    std::vector<const double*> at_vertex(level.GetNumVertices(), nullptr);  // weights of a corner there
+    std::vector<const double*> at_vertex(level.GetNumVertices(), nullptr);  // weights of a corner
     std::vector<Index> polygon_at(level.GetNumVertices(), kNone);
     for (int f = 0; f < level.GetNumFaces(); ++f) {
         stop_if_asked(std::size_t(f));

@@ -12,8 +12,8 @@
 namespace rumple {
 namespace {
 
-// Fine vertices of a regularly split triangle by (i, j): i steps towards corner
-// 1 and j towards corner 2, of n.
+// Fine vertices of a regularly split triangle, with index (i, j): i steps towards corner 1 and j steps
+// towards corner 2, of n.
 class RegularSplit {
   public:
     RegularSplit(const Surface& surface, Index n, FineMesh& fine)
@@ -40,7 +40,7 @@ class RegularSplit {
         Index i, j;
     };
 
-    // The first of n - 1 vertices along the edge, from a to b; made on first use.
+    // The first of n - 1 vertices along the edge, from a to b; created at the first call.
     Index edge_points(const EdgeKey& key) {
         const auto [found, fresh] = edges_.try_emplace(key, fine_.mesh.vertex_count);
         for (Index k = 1; fresh && k < n_; ++k) {
@@ -82,7 +82,7 @@ class RegularSplit {
         if (s.j == 0) return on_edge(triangle, 0, s.i);
         if (s.i + s.j == n_) return on_edge(triangle, 1, s.j);
         if (s.i == 0) return on_edge(triangle, 2, n_ - s.j);
-        const Index before = (s.j - 1) * (n_ - 1) - s.j * (s.j - 1) / 2;  // inner points of rows below j
+        const Index before = (s.j - 1) * (n_ - 1) - s.j * (s.j - 1) / 2;  // inner points in rows below j
         return inner_start_ + before + s.i - 1;
     }
 

@@ -68,7 +68,7 @@ std::vector<Crease> creases_of_last_level(const Far::TopologyRefiner& refiner) {
     const Far::TopologyLevel& level = refiner.GetLevel(refiner.GetMaxLevel());
     for (int e = 0; e < level.GetNumEdges(); ++e) {
         const float sharpness = level.GetEdgeSharpness(e);
-        if (sharpness <= 0.0f || level.GetEdgeFaces(e).size() != 2) continue;  // a border is sharp by itself
+        if (sharpness <= 0.0f || level.GetEdgeFaces(e).size() != 2) continue;  // a border is always sharp
         const Far::ConstIndexArray ends = level.GetEdgeVertices(e);
         creases.push_back(
             {std::min(ends[0], ends[1]), std::max(ends[0], ends[1]), std::min(sharpness, kSharp)});

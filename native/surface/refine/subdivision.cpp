@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Subdivision through OpenSubdiv's Far: it makes the tables, our arrays keep them.
+// Subdivision with OpenSubdiv's Far: it makes the tables, which are copied to our arrays.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -28,16 +28,17 @@ Refiner refine_uniformly(const PolygonMesh& parent, const UsedVertices& used, In
     Refiner refiner = make_refiner(parent, used);
     stop_if_asked();
     Far::TopologyRefiner::UniformOptions options(levels);
-    options.fullTopologyInLastLevel = true;  // or the limit of the last level has no masks
+    options.fullTopologyInLastLevel = true;  // otherwise the last level has no limit masks
     refiner->RefineUniform(options);
     return refiner;
 }
 
-// Vertices of a level <- vertices of level 0: the sums that OpenSubdiv's StencilTableFactory makes, in its
-// order, to the bit. That takes most of the time of a large mesh, in one call that nobody can stop.
+// Rows: vertices of a level; columns: vertices of level 0. The sums are the same, to the bit, as those of
+// OpenSubdiv's StencilTableFactory. This factory is not used, because it takes most of the time for a large
+// mesh, in a single call that cannot be stopped.
 class LevelRows {
   public:
-    // What PrimvarRefiner writes and reads.
+    // The interface that PrimvarRefiner writes and reads.
     class Row {
       public:
         Row(LevelRows& rows, Index row) : rows_(rows), row_(row) {}
@@ -63,7 +64,7 @@ class LevelRows {
         return rows;
     }
 
-    // PrimvarRefiner takes what it reads as const.
+    // PrimvarRefiner gets its source as const.
     Row operator[](Index row) const { return {const_cast<LevelRows&>(*this), row}; }
 
     SparseRows sorted(std::span<const Index> column_of) const {
@@ -85,7 +86,7 @@ class LevelRows {
         begin_[row] = end_[row] = entries_.size();
     }
 
-    // from: of these rows, or of the level before. The row is the one that was begun last.
+    // from: these rows, or those of the level before. `row` must be the row that was begun last.
     void add(Index row, const LevelRows& from, Index from_row, double weight) {
         for (size_t k = from.begin_[from_row], end = from.end_[from_row]; k < end; ++k) {
             const Index column = from.entries_[k].first;
@@ -106,7 +107,7 @@ class LevelRows {
     size_t begun_ = 0;
 };
 
-// Vertices of the last level <- parent vertices, smooth.
+// Rows: vertices of the last level; columns: parent vertices; smooth.
 SparseRows make_rows(const Far::TopologyRefiner& refiner, std::span<const Index> column_of) {
     stop_if_asked();
     const Far::PrimvarRefinerReal<double> primvars(refiner);
@@ -119,7 +120,7 @@ SparseRows make_rows(const Far::TopologyRefiner& refiner, std::span<const Index>
     return rows.sorted(column_of);
 }
 
-// Rows that PrimvarRefiner writes by "adding" columns.
+// A row that PrimvarRefiner writes by "adding" columns.
 struct Column {
     Index index;
 };
@@ -150,7 +151,7 @@ bool is_rounded_later(const Crease& crease) {
     return crease.sharpness < kSharp;
 }
 
-// Last-level vertices on the limit surface <- last-level vertices.
+// Rows: limit positions of the last level's vertices; columns: the last level's vertices.
 SparseRows make_limit_rows(const Far::TopologyRefiner& refiner) {
     stop_if_asked();
     if (std::ranges::any_of(creases_of_last_level(refiner), is_rounded_later))
@@ -168,8 +169,8 @@ SparseRows make_limit_rows(const Far::TopologyRefiner& refiner) {
     return rows;
 }
 
-// OpenSubdiv's masks of the limit take every face for a quad, or with Loop a triangle: what else there is
-// must have been split once.
+// The number of levels before OpenSubdiv's limit masks can be used. They assume that every face is a quad, or
+// with Loop a triangle. Other faces must be split once.
 Index levels_before_masks(const PolygonMesh& mesh) {
     const Index size = mesh.polygons() > 0 ? mesh.polygon_size(0) : 3;
     if (size > 4) return 1;
@@ -194,21 +195,21 @@ FineMesh copy_parent(const PolygonMesh& parent, const UsedVertices& used) {
     return fine;
 }
 
-// Vertices of the last level <- parent vertices.
+// Rows: vertices of the last level; columns: parent vertices.
 SparseRows refined_rows(const PolygonMesh& parent, const UsedVertices& used,
                         const Far::TopologyRefiner& refiner) {
     return refiner.GetMaxLevel() == 0 ? copy_parent(parent, used).vertex_from_parent
                                       : make_rows(refiner, used.vertex_of);
 }
 
-// Vertices of a level on the limit surface <- parent vertices. Where level 0 has no masks they are taken one
-// level on, at the vertices that those of level 0 became.
+// Rows: limit positions of a level's vertices; columns: parent vertices. If level 0 has no masks, those of
+// level 1 are used, at the child vertices of level 0.
 SparseRows limit_rows(const PolygonMesh& parent, const UsedVertices& used, Index levels) {
     const Index levels_of_masks = std::max(levels, levels_before_masks(parent));
     const Refiner refiner = refine_uniformly(parent, used, levels_of_masks);
     const SparseRows masks = make_limit_rows(*refiner), refined = refined_rows(parent, used, *refiner);
     if (levels == levels_of_masks) return compose(masks, refined);
-    SparseRows at_vertices;  // vertex of level 0 <- vertices of level 1
+    SparseRows at_vertices;  // rows: vertices of level 0; columns: vertices of level 1
     const Far::TopologyLevel& vertices = refiner->GetLevel(0);
     for (Index v = 0; v < vertices.GetNumVertices(); ++v)
         at_vertices.append_row(masks, vertices.GetVertexChildVertex(v));
@@ -243,7 +244,7 @@ SparseRows vertex_limit_stencils(const Surface& surface) {
     const UsedVertices used(surface.welded);
     const SparseRows of_used = limit_rows(surface.welded, used, 0);
     SparseRows rows;
-    Index next = 0;  // of the used vertices
+    Index next = 0;  // index of the next used vertex
     for (Index v = 0; v < surface.welded.vertex_count; ++v) {
         if (next < of_used.rows() && used.vertex_of[next] == v) {
             rows.append_row(of_used, next++);

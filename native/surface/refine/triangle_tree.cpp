@@ -23,7 +23,7 @@ Corners corners_of(const Surface& surface, Index t) {
     return {x(0), x(1), x(2)};
 }
 
-// Weights of b and c of the closest point on the three edges.
+// Weights of b and c for the closest point on the three edges.
 glm::dvec2 closest_on_edges(const Corners& t, const glm::dvec3& p) {
     const double ab = closest_on_segment(t.a, t.b, p);
     const double bc = closest_on_segment(t.b, t.c, p);
@@ -41,8 +41,8 @@ glm::dvec2 closest_on_edges(const Corners& t, const glm::dvec3& p) {
     return best;
 }
 
-// Weights of b and c of the closest point: the foot of the perpendicular where
-// it falls inside, else a point of an edge.
+// Weights of b and c for the closest point: the perpendicular foot if it is inside, otherwise a point on an
+// edge.
 glm::dvec2 closest_weights(const Corners& t, const glm::dvec3& p) {
     const glm::dvec3 ab = t.b - t.a, ac = t.c - t.a, ap = p - t.a;
     const glm::dvec3 n = glm::cross(ab, ac);
