@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Section 7 of Loviscach 2006, seen from the artist's hand.
+// The brush: rest-pose wrinkles of section 7 of Loviscach 2006.
 #include "systems/wrinkle_field/brush.h"
 
 #include <algorithm>
@@ -16,25 +16,25 @@
 namespace rumple::wrinkle_field {
 namespace {
 
-// Erasing and smoothing leave no vector shorter than this: nobody would see it, and a line of the overlay
-// would stay behind.
+// Erasing and smoothing make shorter vectors zero. They would be invisible, but still have a line in the
+// overlay.
 constexpr float kUnpainted = 1e-3f;
 
-// Unit: none. A mean of directions, or a direction pulled back through a collapsed neighbourhood, that is
-// shorter than this share of what went in, is noise.
+// Unit: none. A mean of directions, or a direction transformed back through a collapsed neighbourhood, is
+// noise if its length is less than this share of the input's.
 constexpr float kNoDirection = 1e-3f;
 
-// Unit: none (cosine). Between this slope towards the viewer and the silhouette the paint fades out: there is
-// no telling where a stroke would lie.
+// Unit: none (cosine). The paint fades out between this slope and the silhouette, because the stroke has no
+// clear place on the surface there.
 constexpr float kGrazing = 0.2f;
 
-// Of the scattered field: over which part of the noise's range the wrinkles fade out.
+// For scatter(): the part of the noise's range over which the wrinkles fade out.
 constexpr float kScatterFade = 0.35f;
 
-// ... and over how many patches of it they keep their direction.
+// For scatter(): distance over which the direction changes / size of the patches.
 constexpr float kScatterCoherence = 2.0f;
 
-// p and -p mean the same, so means are taken of |p| exp(2 i angle).
+// p and -p mean the same, so |p| exp(2 i angle) is averaged.
 using Director = std::complex<float>;
 
 Director director(const Vec2& v) {
@@ -44,8 +44,8 @@ Director director(const Vec2& v) {
     return z * z / length;
 }
 
-// The length of z in the direction of its square root, whose real part is not negative. Not std::sqrt(z): it
-// asks the system for cosines.
+// A vector of the length of z in the direction of its square root with a real part >= 0. Not std::sqrt(z),
+// because it uses the system's cosine.
 Vec2 undirected(const Director& z) {
     const float length = elementary::hypot(z.real(), z.imag());
     if (length == 0.0f) return Vec2(0.0f);
@@ -59,7 +59,8 @@ Vec3 in_rest_space(const Model& model, size_t v, const Vec2& q) {
     return q.x * model.tangent_rest[v] + q.y * model.bitangent_rest[v];
 }
 
-// In the vertex's frame, as long as it is in space: neighbouring tangent planes are turned, not projected.
+// The rest vector in the vertex's frame, with its full length: it is rotated into this tangent plane, not
+// projected.
 Vec2 carried(const Model& model, size_t v, const Vec3& rest) {
     const Vec2 flat = in_rest_frame(model, v, rest);
     const float length = glm::length(flat);
@@ -82,14 +83,14 @@ float falloff(Falloff kind, float distance) {
     return 0.0f;
 }
 
-// What a dab asks of a vertex.
+// The change that a dab makes at a vertex.
 struct Request {
     float weight = 0.0f;   // 0..1
-    Vec2 direction{0.0f};  // of the compression, unit, rest frame; zero: undefined there
+    Vec2 direction{0.0f};  // of the compression, unit, rest frame; zero: undefined
 };
 
-// k of the rest pose whose folds, deformed, run along (or across) the stroke as it is seen. Folds carry over
-// as k' = (M^-1)^T k (section 5.1), so k = M^T k', which needs no inverse.
+// k of the rest pose whose folds, deformed, are along (or across) the visible stroke. Folds transform as k' =
+// (M^-1)^T k (section 5.1), so k = M^T k' needs no inverse.
 Vec2 pulled_back(const Canvas& canvas, const Dab& dab, size_t v) {
     const Vec3 seen = glm::cross(canvas.normals[v], glm::cross(dab.view, dab.direction));  // tangential
     const Vec3 compression = dab.across ? seen : glm::cross(canvas.normals[v], seen);
@@ -114,7 +115,7 @@ std::vector<Request> ask(const Canvas& canvas, const Dab& dab) {
     return requests;
 }
 
-// What the mirror image of the dab asks of a vertex: what the dab asks where the vertex's twin is.
+// The change by the mirror image of the dab at a vertex: the mirrored change by the dab at the vertex's twin.
 Request mirrored(const Model& model, std::span<const Request> requests, const SurfacePoint& twin, size_t v) {
     Request out;
     if (twin.triangle == kNone) return out;
@@ -134,7 +135,7 @@ Request mirrored(const Model& model, std::span<const Request> requests, const Su
     return out;
 }
 
-// The dab and its mirror image meet near the plane: neither comes first.
+// Combines a dab and its mirror image, which meet near the plane. Both have the same priority.
 Request both(const Request& a, const Request& b) {
     Request out{std::max(a.weight, b.weight), {}};
     const Vec2 direction = undirected(a.weight * director(a.direction) + b.weight * director(b.direction));
@@ -189,7 +190,7 @@ void check_dab(const Dab& dab) {
     if (dab.view == Vec3(0.0f)) throw InvalidInput("view: it has no length");
 }
 
-// The value of every welded vertex; of several painted unlike, the first.
+// The value of every welded vertex. If display vertices have different values, the first is used.
 std::vector<Vec3> of_welded(const Surface& surface, std::span<const Vec3> painted) {
     std::vector<Vec3> out;
     for (const Index v : surface.representative) out.push_back(painted[v]);
@@ -208,13 +209,13 @@ Vec3 noise3(const Vec3& place, std::uint32_t seed) {
     return {smooth_noise(place, seed, 0), smooth_noise(place, seed, 1), smooth_noise(place, seed, 2)};
 }
 
-// The value that this share of all values lies above.
+// The value that this share of all values exceeds.
 float exceeded_by(std::vector<float> values, float fraction) {
     const size_t above = static_cast<size_t>(std::lround(double(fraction) * double(values.size())));
     if (above == 0) return *std::max_element(values.begin(), values.end());
     const auto place = values.end() - static_cast<std::ptrdiff_t>(above);
     std::nth_element(values.begin(), place, values.end());
-    return std::nextafter(*place, -2.0f);  // the place itself included
+    return std::nextafter(*place, -2.0f);  // so that the found value also exceeds it
 }
 
 }  // namespace
@@ -281,7 +282,8 @@ std::vector<Vec3> scatter(const Model& model, const Scatter& settings) {
     const float bar = exceeded_by(cover, settings.density);
     std::vector<Vec3> field(rest.size(), Vec3(0.0f));
     for (size_t v = 0; v < rest.size(); ++v) {
-        // Where the noise stands upright on the surface there is no direction: the wrinkles fade out there.
+        // If the noise vector is at right angles to the surface, it has no direction there, so the wrinkles
+        // fade out.
         const Vec2 q = in_rest_frame(
             model, v, noise3(rest[v] / (kScatterCoherence * settings.size), hashed(settings.seed, 2)));
         const float amount = glm::length(q);
@@ -301,14 +303,14 @@ Lines draw(const Model& model, const Canvas& canvas, std::span<const Vec3> paint
     for (size_t v = 0; v < welded.size(); ++v) {
         const Vec2 p = in_rest_frame(model, v, welded[v]);
         const float strength = glm::length(p);
-        // Folds run at right angles to p in the rest pose, and lie in the cloth as it deforms.
+        // Folds are at right angles to p in the rest pose, and deform with the cloth.
         const Vec3 fold = -p.y * canvas.tangent[v] + p.x * canvas.bitangent[v];
         const float fold_length = glm::length(fold);
         if (!(strength >= kUnpainted) || !(fold_length > 0.0f)) continue;
         const Vec3 along = fold / fold_length;
         const float edge = mean_edge(model, canvas.positions, v);
         const Vec3 half = 0.5f * strength * edge * (across ? glm::cross(canvas.normals[v], along) : along);
-        if (!is_finite(half)) continue;  // painted so long that its square, or the line, is no number
+        if (!is_finite(half)) continue;  // its square, or the line, overflows
         lines.ends.push_back(canvas.positions[v] - half);
         lines.ends.push_back(canvas.positions[v] + half);
         lines.strength.push_back(strength);

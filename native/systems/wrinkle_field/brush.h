@@ -19,8 +19,8 @@ inline constexpr float kLongestPainted = 0.99f;
 struct Canvas {
     std::vector<Vec3> positions;
     std::vector<Vec3> normals;    // unit, or zero
-    std::vector<Vec3> tangent;    // M t: where the deformation of equation (1) takes the rest frame's t ...
-    std::vector<Vec3> bitangent;  // ... and b; zero where a neighbourhood has no normal
+    std::vector<Vec3> tangent;    // M t: the rest frame's t, deformed by equation (1) ...
+    std::vector<Vec3> bitangent;  // M b; both are zero if the neighbourhood has no normal
 };
 
 // positions: of the display vertices, deformed, in any space. In world space, angles are the visible ones,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Section 3 of Loviscach 2006: what the rest pose fixes. And the profiles of section 6.3.
+// Section 3 of Loviscach 2006: the data that depends only on the rest pose. Also the profiles of section 6.3.
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -32,7 +32,7 @@ void collect_neighbours(Model& model) {
     for (const Index n : rings.vertex) model.neighbours.push_back({n, Vec2(0.0f)});
 }
 
-// The rest frames of section 4.2 and the part of equation (1) that does not change.
+// Computes the rest frames of section 4.2 and the constant part of equation (1).
 void regress_at_rest(Model& model) {
     const std::vector<Vec3>& rest = model.base.positions_rest;
     const std::vector<Vec3> normals = vertex_normals(model.base, rest);
@@ -58,7 +58,7 @@ void regress_at_rest(Model& model) {
     }
 }
 
-// The frames of `stretch` and the rest frames have one normal, but for rounding.
+// The frames of `stretch` and the rest frames have the same normal, except for rounding errors.
 void turn_frames(Model& model) {
     for (size_t v = 0; v < model.tangent_rest.size(); ++v) {
         const Vec3& x = model.stretch.vertex_tangent[v];
@@ -68,18 +68,18 @@ void turn_frames(Model& model) {
     }
 }
 
-// So that neither the order of the vertices nor their number changes a phase.
+// Identifies vertices by position, so that their order and number do not change phases.
 void identify(Model& model) {
     for (const Vec3& p : model.base.positions_rest) {
         std::uint32_t hash = 0;
         for (int i = 0; i < 3; ++i)
-            hash = hashed(hash, std::bit_cast<std::uint32_t>(p[i] + 0.0f));  // -0 is 0
+            hash = hashed(hash, std::bit_cast<std::uint32_t>(p[i] + 0.0f));  // -0 becomes 0
         model.identity.push_back(hash);
     }
 }
 
-// Corners share their gradient of uv when they share vertex and uv, so that it is continuous over edges;
-// a mirrored half of the texture keeps its own.
+// Corners with the same vertex and uv share their gradient of uv, so that it is continuous over edges.
+// Mirrored parts of the texture have separate gradients.
 void collect_uv_fans(Model& model, std::span<const Vec2> uv) {
     using Fan = std::tuple<Index, float, float, bool>;
     std::map<Fan, Index> fans;
@@ -101,7 +101,7 @@ void displace_fine_mesh(Model& model, const Plan& plan) {
     model.shown = show_fine(model.base, model.base, fine, 0, rest);
 }
 
-// Of a profile: the square of df/dphi between two entries of its table.
+// For a profile: the square of df/dphi between consecutive entries of its table.
 using SquaredSlopes = std::array<double, kProfileIntervals>;
 
 SquaredSlopes squared_slopes(const Profile& profile) {
@@ -114,7 +114,7 @@ SquaredSlopes squared_slopes(const Profile& profile) {
     return out;
 }
 
-// length_ratio() and its derivative by s.
+// length_ratio() and its derivative with respect to s.
 struct LengthRatio {
     double value = 0.0;
     double slope = 0.0;
@@ -129,16 +129,19 @@ LengthRatio length_ratio(const SquaredSlopes& slopes, double s) {
     return {out.value / kProfileIntervals, out.slope / kProfileIntervals};
 }
 
-// Of steepness(): relative, and steps that reach it from anywhere (five from the accordion's).
+// For steepness(): relative error, and a number of steps that always reaches it (five from the accordion's
+// s).
 constexpr double kSteepnessError = 1e-6;
 constexpr int kNewtonSteps = 50;
 
-// s at which straight flanks are so long. Right of any profile's of the same range, whose chords are shorter.
+// s of straight flanks for this length ratio. It is larger than s of any other profile with the same range,
+// because their chords are shorter.
 double steepness_of_accordion(double ratio) {
     return 0.5 * std::numbers::pi * std::sqrt(ratio * ratio - 1.0);
 }
 
-// steepness() by Newton's method on a convex function that rises: from the right it falls to the root.
+// steepness() by Newton's method on a convex increasing function. From a larger s it decreases monotonically
+// to the root.
 double steepness_from(const SquaredSlopes& slopes, double ratio, double s) {
     for (int step = 0; step < kNewtonSteps; ++step) {
         const LengthRatio at = length_ratio(slopes, s);
@@ -151,24 +154,24 @@ double steepness_from(const SquaredSlopes& slopes, double ratio, double s) {
     return s;
 }
 
-// steepness() of one profile as a share of the accordion's, which hardly changes with the ratio: a table over
-// 1 / ratio, linear between its entries. Off by less than 1e-4 of it for sine and pleats.
+// steepness() of a profile / steepness() of the accordion. This hardly changes with the ratio: a table over 1
+// / ratio, with linear interpolation. The relative error is less than 1e-4 for sine and pleats.
 class SteepnessTable {
   public:
     explicit SteepnessTable(const SquaredSlopes& slopes) {
         double s = steepness_of_accordion(kIntervals);
         for (int i = 1; i < kIntervals; ++i) {
             const double ratio = double(kIntervals) / i;
-            s = steepness_from(slopes, ratio, s);  // the one before is right of it
+            s = steepness_from(slopes, ratio, s);  // the former s is larger than the root
             share_[i] = s / steepness_of_accordion(ratio);
         }
-        share_[0] = share_[1];  // longer waves than that are alike
-        // For small s the ratio is 1 + s^2 / 2 x the mean of the squares.
+        share_[0] = share_[1];  // constant for longer waves
+        // For small s the ratio is 1 + s^2 / 2 * the mean of the squares.
         double sum = 0.0;
         for (const double square : slopes) sum += square;
         share_[kIntervals] = 2.0 * std::numbers::inv_pi / std::sqrt(sum / kProfileIntervals);
     }
-    // ratio: above 1.
+    // ratio: > 1.
     double at(double ratio) const {
         const double x = kIntervals / ratio;
         const int i = std::min(int(x), kIntervals - 1);
@@ -204,7 +207,7 @@ Profile drawn(std::span<const float> height) {
     for (int i = 0; i <= kProfileIntervals; ++i) {
         expect_within("profile value " + std::to_string(i), height[i], -1.0, 1.0);
         out.height[i] = height[i];
-        // One-sided at the ends: a curve drawn with a kink there keeps it.
+        // One-sided differences at the ends preserve a kink drawn there.
         const int before = std::max(i - 1, 0), after = std::min(i + 1, kProfileIntervals);
         out.slope[i] = (height[after] - height[before]) / (interval * float(after - before));
     }
@@ -222,7 +225,7 @@ double steepness(const Profile& profile, double ratio) {
 
 void keep_length(const Profile& profile, Waves& waves) {
     const SquaredSlopes slopes = squared_slopes(profile);
-    if (*std::max_element(slopes.begin(), slopes.end()) <= 0.0) return;  // flat
+    if (*std::max_element(slopes.begin(), slopes.end()) <= 0.0) return;  // flat profile
     const SteepnessTable steepest(slopes);
     for (size_t v = 0; v < waves.height.size(); ++v) {
         if (waves.height[v] <= 0.0f) continue;

@@ -43,9 +43,9 @@ inline float smooth_noise(const Vec3& place, std::uint32_t seed, std::uint32_t w
     return glm::simplex(place + 100.0f * elsewhere);
 }
 
-// What an estimate of a wave becomes where waves are to run along a line of the rest frame: it has the
-// largest compression that there is, across that line. Its length over the rest pose stays W.
-// m, q, before, turn, threshold: as formulas::estimate_wave() takes them. gather: Waves::gather of it.
+// Changes an estimated wave so that its crests are along a painted line of the rest frame. It gets the
+// largest compression, but across this line. Its wavelength in the rest pose stays W. m, q, before, turn,
+// threshold: as for formulas::estimate_wave(). gather: its Waves::gather.
 void turn_along(const Vec2& along, const glm::mat2& m, const Vec2& q, const Vec2& before, const Vec2& turn,
                 float threshold, formulas::WaveEstimate& estimate, float& gather);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Waves that run where an artist asks. Not in the paper: surface/strain/guided_strain.h.
+// Waves in directions painted by an artist. Not in the paper: surface/strain/guided_strain.h.
 #include <algorithm>
 #include <cmath>
 
@@ -17,7 +17,7 @@ void turn_along(const Vec2& along, const glm::mat2& m, const Vec2& q, const Vec2
     const Tensor2 left{columns[0][0], columns[1][0], columns[1][1]};
     if (!has_squares(left)) return;
     const Principal p = principal(turned(left, glm::length(along) / length * line));
-    const Vec2 across = glm::transpose(mq) * p.small_direction;  // of the rest frame
+    const Vec2 across = glm::transpose(mq) * p.small_direction;  // in the rest frame
     estimate.k = across / glm::length(across);
     if (glm::dot(estimate.k, before) < 0.0f) estimate.k = -estimate.k;
     estimate.r = std::sqrt(std::max(p.small, 0.0f));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// One frame of the base: what solve() and show() of Loviscach 2006 both read.
+// One frame of the base, used by solve() and show().
 #include "surface/mesh/positions.h"
 #include "systems/wrinkle_field/frames.h"
 

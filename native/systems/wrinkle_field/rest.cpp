@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A rest shape that adapts: compression from the reference triangles around a vertex. Not in the paper; the
-// reference is chapter 4 of Gillette 2015 (surface/strain/adaptive_reference.h).
+// An adaptive rest shape: compression relative to the reference triangles around a vertex. Not in the paper.
+// The reference is chapter 4 of Gillette 2015 (surface/strain/adaptive_reference.h).
 #include <cmath>
 
 #include "base/expect.h"
@@ -9,18 +9,18 @@
 namespace rumple::wrinkle_field {
 namespace {
 
-// F^T F of a triangle from its reference, less the identity, in its rest frame. The reference's own frame has
-// u1 along x; turned back by the rotation that it got when it was sheared, it is the rest frame stretched.
+// F^T F - E of a triangle relative to its reference, in its rest frame. The reference's own frame has u1
+// along x. Rotated back by the rotation between rest and reference, it is the stretched rest frame.
 Tensor2 strain(const FlatTriangle& rest, const FlatTriangle& reference, const FlatTriangle& now) {
     const Tensor2 c = metric(reference, now);
     const Vec2 turn = rotation(rest, reference);
     return rotated({c.xx - 1.0f, c.xy, c.yy - 1.0f}, {turn.x, -turn.y});
 }
 
-// The symmetric root of C = E + strain, by Cayley and Hamilton.
+// The symmetric square root of C = E + strain, by the Cayley-Hamilton theorem.
 Vec3 root(const Tensor2& strain) {
     const float xx = 1.0f + strain.xx, yy = 1.0f + strain.yy;
-    const float det = std::sqrt(std::max(xx * yy - strain.xy * strain.xy, 0.0f));  // of the root
+    const float det = std::sqrt(std::max(xx * yy - strain.xy * strain.xy, 0.0f));  // determinant of the root
     const float trace = std::sqrt(std::max(xx + yy + 2.0f * det, 0.0f));
     if (trace <= 0.0f) return Vec3(0.0f);
     return Vec3(xx + det, strain.xy, yy + det) / trace;

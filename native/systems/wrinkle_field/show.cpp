@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Section 6 of Loviscach 2006: the field as shaders and fine meshes need it.
+// Section 6 of Loviscach 2006: the field for shaders and fine meshes.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -54,7 +54,7 @@ void fill_corners(const Model& model, const Waves& waves, std::span<const float>
     const Index triangles = static_cast<Index>(model.base.triangles.size());
     for (Index t = 0; t < triangles; ++t) {
         const Corners corners = welded_vertices(model.base, t);
-        Vec3 turns;  // whole turns that shaders need not carry
+        Vec3 turns;  // whole turns, which are removed
         for (int wave = 0; wave < 3; ++wave) {
             float sum = 0.0f;
             for (const Index v : corners) {
@@ -76,8 +76,8 @@ void fill_corners(const Model& model, const Waves& waves, std::span<const float>
     }
 }
 
-// Equation (11) for every triangle, then the mean over the fans, by area: a gradient of its own for every
-// triangle would tear the texture at the edges.
+// Equation (11) for every triangle, averaged over the fans by area. Separate gradients for the triangles
+// would tear the texture at the edges.
 void fill_uv_gradients(const Model& model, std::span<const Vec3> positions, Picture& picture) {
     if (model.uv.empty()) return;
     std::vector<Vec3> u_sum(model.uv.size(), Vec3(0.0f)), v_sum = u_sum;
@@ -103,7 +103,7 @@ void fill_uv_gradients(const Model& model, std::span<const Vec3> positions, Pict
     }
 }
 
-// The fine mesh: attached, then moved along the interpolated normal by equation (5). gap: as of show().
+// The fine mesh: attached, then moved along the interpolated normal by equation (5). gap: as for show().
 void displace(const Model& model, const Waves& waves, const Profile& profile, std::span<const float> phase,
               std::span<const float> gap, Picture& picture) {
     const size_t fine = model.attachments.places.size();
@@ -118,8 +118,8 @@ void displace(const Model& model, const Waves& waves, const Profile& profile, st
         const Vec3 normal = point_at(corners, weights, waves.normals);
         const float length = glm::length(normal);
         if (length < kShortestNormal) continue;
-        // At the attachment, not at the point of the flat triangle: on an irregular mesh a smooth surface has
-        // it elsewhere, and straight crests would wobble.
+        // Evaluate at the attached position, not in the flat triangle. On an irregular mesh the smooth
+        // surface has the point elsewhere, and straight crests would wobble.
         const Height at = height_at(waves, profile, phase, corners, weights, positions[v]);
         offset[v] = std::max(at.height, -inwards[v]) / length * normal;
         positions[v] += offset[v];
@@ -128,7 +128,7 @@ void displace(const Model& model, const Waves& waves, const Profile& profile, st
                triangle_frames(model.base, waves.positions), positions, offset, picture);
 }
 
-// Amplitude, direction and phase of the wave that counts most at every shown vertex.
+// At every shown vertex: amplitude, direction and phase of the strongest wave there.
 void fill_points(const Model& model, const Waves& waves, std::span<const float> phase, Picture& picture) {
     for (const SurfacePoint& place : model.shown.places) {
         if (place.triangle == kNone) {

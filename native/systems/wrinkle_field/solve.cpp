@@ -19,10 +19,10 @@ namespace {
 
 using formulas::Link;
 
-// How far irregularity = 1 goes: k turns by up to this many radians, W changes by up to this share.
+// For irregularity = 1: largest rotation of k in radians, and largest relative change of W.
 constexpr float kMostTurn = 0.8f;
 constexpr float kMostWavelengthChange = 0.4f;
-// Wavelengths over which the irregularity changes.
+// The distance over which the irregularity changes / wavelength.
 constexpr float kIrregularityScale = 2.0f;
 
 void check_paint(const Model& model, const Paint& paint) {
@@ -38,7 +38,7 @@ void check_paint(const Model& model, const Paint& paint) {
     if (!paint.along.empty()) check_along(model.base, paint.along);
 }
 
-// Values of welded vertices: the mean of those that were joined.
+// Values of the welded vertices: the mean over their display vertices.
 template <typename T>
 std::vector<T> welded_values(const Surface& surface, const std::vector<T>& display, T unpainted) {
     std::vector<T> sum(surface.welded.vertex_count, display.empty() ? unpainted : T{});
@@ -52,10 +52,10 @@ std::vector<T> welded_values(const Surface& surface, const std::vector<T>& displ
     return sum;
 }
 
-// What irregularity does to the wave of a vertex: seeded noise over the rest pose.
+// The effect of irregularity on a vertex's wave: seeded noise over the rest pose.
 struct Disturbance {
     Vec2 turn{1.0f, 0.0f};    // (cos, sin)
-    float wavelength = 1.0f;  // factor
+    float wavelength = 1.0f;  // factor on W
 };
 
 Disturbance disturb(const Settings& settings, const Vec3& rest) {
@@ -71,11 +71,11 @@ Disturbance disturb(const Settings& settings, const Vec3& rest) {
 // A neighbour in relaxation.
 struct Pull {
     Index vertex;
-    float weight;  // attenuation of its amplitude
+    float weight;  // attenuation of the neighbour's amplitude
     Link link;
 };
 
-// In the order of model.neighbours.
+// In the same order as model.neighbours.
 std::vector<Pull> collect_pulls(const Model& model, const Settings& settings, const Waves& waves) {
     std::vector<Pull> pulls(model.neighbours.size());
     for_each_vertex(settings, waves.height.size(), [&](size_t v) {
@@ -93,9 +93,9 @@ std::span<const Pull> pulls_of(const Model& model, std::span<const Pull> pulls, 
     return pulls.subspan(model.neighbour_start[v], model.neighbour_start[v + 1] - model.neighbour_start[v]);
 }
 
-// How much of a round every vertex takes: 0 where the waves around it ask for the same as when it was last
-// relaxed, so that a standing leg does not creep because the arm moves. Updates the offsets that were
-// relaxed.
+// The share of a round that every vertex takes. It is 0 if the links to the waves around it are the same as
+// in its last relaxation, so that a standing leg does not change when the arm moves. Updates solved_offset
+// for relaxed links.
 std::vector<float> activity(const Model& model, std::span<const Pull> pulls, std::span<float> solved_offset) {
     std::vector<float> active(model.base.positions_rest.size(), 0.0f);
     for (size_t v = 0; v < active.size(); ++v) {
@@ -123,7 +123,7 @@ float misfit_of(const Model& model, const Waves& waves, std::span<const Pull> pu
     return weights > 0.0 ? static_cast<float>(std::sqrt(sum / weights)) : 0.0f;
 }
 
-// step(v, from) -> new value, for all vertices, so many rounds, from one buffer into another.
+// Runs `rounds` rounds of step(v, from) -> new value for all vertices, from one buffer into another.
 template <typename T, typename Step>
 void ping_pong(const Settings& settings, int rounds, std::vector<T>& values, Step&& step) {
     std::vector<T> buffers[2] = {std::move(values), {}};
@@ -151,7 +151,7 @@ float largest_change(const Waves& waves, std::span<const float> before, std::spa
 
 void align_phases(const Model& model, const Settings& settings, std::span<const Pull> pulls, int rounds,
                   std::vector<float>& phase) {
-    using Complex = std::complex<double>;  // in doubles: the length may shrink with every round
+    using Complex = std::complex<double>;  // double precision, because the length may shrink in every round
     const auto wave_of = [](double angle) { return Complex(elementary::cos(angle), elementary::sin(angle)); };
     std::vector<Complex> asked(pulls.size()), waves_at(phase.size());
     for (size_t i = 0; i < pulls.size(); ++i)
@@ -174,7 +174,7 @@ void align_phases(const Model& model, const Settings& settings, std::span<const 
     }
 }
 
-// active: share of a round that every vertex takes; empty: all of it.
+// active: share of a round that every vertex takes; empty: 1.
 void relax_phases(const Model& model, const Settings& settings, std::span<const Pull> pulls,
                   std::span<const float> active, int rounds, std::vector<float>& phase) {
     ping_pong(settings, rounds, phase, [&](size_t v, const std::vector<float>& from) {
@@ -235,7 +235,7 @@ WaveParameters wave_parameters(const Model& model, const Settings& settings, con
 }
 
 std::vector<Vec2> first_directions(const Model& model) {
-    const Vec3 somewhere(0.8660f, 0.4113f, 0.2847f);  // along no axis that garments are modelled along
+    const Vec3 somewhere(0.8660f, 0.4113f, 0.2847f);  // not along any axis that garments are modelled along
     std::vector<Vec2> directions;
     for (size_t v = 0; v < model.tangent_rest.size(); ++v) {
         const Vec2 k = in_rest_frame(model, v, somewhere);
@@ -297,7 +297,7 @@ Waves estimate_waves(const Model& model, const Settings& settings, const Paint& 
             estimate.k_deformed.x * around->tangent + estimate.k_deformed.y * around->bitangent;
         waves.fullness[v] = estimate.fullness * parameters.mask[v];
         if (!spare.empty() && across != Vec3(0.0f)) {
-            // What the artist has painted stays.
+            // Painted wrinkles are kept.
             const float painted =
                 std::min(std::max(glm::length(parameters.rest_wrinkle[v]), glm::length(along)), 1.0f);
             waves.fullness[v] *= 1.0f - (1.0f - painted) * spare[v].share_without_place(across);
@@ -337,7 +337,7 @@ void dissolve(const Model& model, const Settings& settings, std::span<const floa
 }
 
 State activated(const State& state) {
-    // No wave has infinite phase: every link has changed.
+    // No link has an infinite offset, so every link counts as changed.
     return {state.phase, state.direction,
             std::vector<float>(state.solved_offset.size(), std::numeric_limits<float>::infinity()),
             state.reference};
