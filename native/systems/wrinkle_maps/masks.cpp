@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Sections 5.2 and 5.3: where each map shows, and how the maps are blended.
+// Sections 5.2 and 5.3: where each map is visible, and how the maps are blended.
 #include <algorithm>
 #include <array>
 
@@ -11,8 +11,8 @@
 namespace rumple::wrinkle_maps {
 namespace {
 
-// Sums of weight x influence over a vertex's bones. Poses are handled four at a time, so that the compiler
-// can use vectors.
+// Sums of weight * influence over a vertex's bones. Poses are processed in groups of four, so that the
+// compiler can vectorise the loop.
 template <Index kFours>
 void sum_influences(const Model& model, const std::vector<float>& influence, Index v, float* sums) {
     constexpr Index kWidth = kFours * kLanes;
@@ -25,7 +25,7 @@ void sum_influences(const Model& model, const std::vector<float>& influence, Ind
     std::copy(sum.begin(), sum.end(), sums);
 }
 
-// factor(v, k): what the sum is multiplied by.
+// factor(v, k): a factor on the sum.
 template <Index kFours, typename Factor>
 void fill_masks(const Model& model, const std::vector<float>& influence, const Factor& factor,
                 std::vector<float>& out) {
@@ -55,7 +55,7 @@ void fill_masks(const Model& model, const std::vector<float>& influence, const F
     }
 }
 
-// b x o influences times strengths, rows padded to whole fours.
+// b x o influences times strengths, with rows padded to a multiple of four.
 std::vector<float> padded(const Model& model, const Settings& settings, const Influences& influences) {
     const Index poses = model.poses(), width = (poses + kLanes - 1) / kLanes * kLanes;
     std::vector<float> rows(size_t(model.bones()) * width, 0.0f);
@@ -89,7 +89,7 @@ std::vector<float> presence(const Model& model, const Influences& influences) {
             sum += influences.pose[i * poses + k];
             active += model.active[i * poses + k];
         }
-        out[k] = static_cast<float>(sum / active);  // build() refuses poses in which nothing moves
+        out[k] = static_cast<float>(sum / active);  // active > 0: see build()
     }
     return out;
 }
@@ -104,7 +104,7 @@ std::vector<float> masks(const Model& model, const Settings& settings, const Inf
             model, rows, [](Index, Index) { return 1.0f; }, out);
         return out;
     }
-    // The mean influence of the active bones around the vertex, times the share that their weight gets.
+    // The mean influence of the active bones around the vertex, times gained() of their total weight.
     fill_masks(
         model, rows,
         [&](Index v, Index k) {

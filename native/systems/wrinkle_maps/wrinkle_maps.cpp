@@ -13,7 +13,7 @@
 namespace rumple::wrinkle_maps {
 namespace {
 
-// A bone as one point of six coordinates; what is not tracked is the origin.
+// A bone as one point with six coordinates. An end that is not tracked is the origin.
 using Point = std::array<double, 6>;
 
 Point tracked_point(const Bone& bone, Tracked tracked) {
@@ -70,7 +70,7 @@ bool has_keys(const Rig& rig) {
                        [](Tracked tracked) { return tracked == Tracked::kKey; });
 }
 
-// Lengths of bones and values of keys have no common measure: each kind is compared with its own.
+// Lengths of bones and values of keys cannot be compared, so there is a measure for each kind.
 struct Measures {
     double bones = 0.0, keys = 0.0;
 
@@ -78,7 +78,7 @@ struct Measures {
     double of(Tracked tracked) const { return tracked == Tracked::kKey ? keys : bones; }
 };
 
-// The largest distance from the root of anything that is tracked, and the largest value.
+// The largest distance of a tracked bone from the root, and the largest value of a key.
 Measures extent(const Rig& rig) {
     Measures farthest;
     const auto include = [&](std::span<const Bone> bones) {
@@ -97,7 +97,7 @@ Measures extent(const Rig& rig) {
     return farthest;
 }
 
-// How far every bone is in one pose from where it is in another.
+// The distance of every bone between two poses.
 std::vector<double> displacements(const Rig& rig, std::span<const Bone> from, std::span<const Bone> to) {
     std::vector<double> lengths(from.size());
     for (size_t i = 0; i < from.size(); ++i) {
@@ -118,7 +118,7 @@ bool within(const Measures& lengths, const Measures& still) {
     return lengths.bones <= still.bones && lengths.keys <= still.keys;
 }
 
-// The lengths of the ways from P_0, a row for every pose. Throws where a pose has none or another's.
+// The distances from P_0, a row for every pose. Throws if a pose equals P_0 or another pose.
 std::vector<std::vector<double>> displacements_to_poses(const Rig& rig, const Measures& still) {
     const bool keys = has_keys(rig);
     std::vector<std::vector<double>> lengths;
@@ -138,14 +138,14 @@ std::vector<std::vector<double>> displacements_to_poses(const Rig& rig, const Me
     return lengths;
 }
 
-// "0 if J_iP0 = J_iPk": equal but for what is too short to be compared with.
+// "0 if J_iP0 = J_iPk": equal within a tolerance.
 void find_moves(Model& model) {
     const Index poses = model.poses(), bones = model.bones();
     Measures still = extent(model.rig);
     still.bones *= kStillBone;
     still.keys *= kStillBone;
     const std::vector<std::vector<double>> lengths = displacements_to_poses(model.rig, still);
-    std::vector<double> farthest(bones, 0.0);  // of each bone, in any pose
+    std::vector<double> farthest(bones, 0.0);  // of each bone, over all poses
     for (const std::vector<double>& of_pose : lengths) {
         for (Index i = 0; i < bones; ++i) farthest[i] = std::max(farthest[i], of_pose[i]);
     }
@@ -163,7 +163,7 @@ void find_moves(Model& model) {
             }
             return any;
         };
-        if (!mark(kPassedBy)) mark(0.0);  // a faint copy of another pose is still a pose
+        if (!mark(kPassedBy)) mark(0.0);  // a weaker copy of another pose is also a pose
     }
 }
 
@@ -212,7 +212,7 @@ void check_weights(const SparseRows& weights, const Rig& rig) {
 }
 
 // Convex rows, without the bones that are not in the rig: "we assume that skinning weights are convex".
-// Shape keys are not shares of a whole: theirs stay as they are.
+// Weights of shape keys do not add up to a whole, so they are not changed.
 void take_weights(Model& model, const SparseRows& given) {
     for (Index v = 0; v < given.rows(); ++v) {
         double sum = 0.0, keys = 0.0;
@@ -283,7 +283,8 @@ Influences evaluate(const Model& model, std::span<const Bone> bones) {
         for (Index k = 0; k < poses; ++k) {
             if (!model.moves[i * poses + k]) continue;
             const Point in_pose = tracked_point(rig.poses[k].bones[i], rig.tracked[i]) - neutral;
-            // Printed over ||in_pose||; over its square alpha is a fraction, and exactly 1 at the pose.
+            // The paper divides by ||in_pose||. Divided by its square, alpha is a share, and exactly 1 in the
+            // pose.
             const double alpha = dot(displacement, in_pose) / dot(in_pose, in_pose);
             out.pose[i * poses + k] = static_cast<float>(std::clamp(alpha, 0.0, 1.0));
         }

@@ -58,7 +58,7 @@ struct Model {
     std::vector<std::uint8_t> moves;         // b x o: 1 if the bone itself moves in P_k
     std::vector<std::uint8_t> active;        // b x o: 1 if it or another one of its group moves
     std::vector<std::vector<Index>> groups;  // members of every group of two or more
-    SparseRows weights;  // vertices x bones, every row sums to 1 with what other bones have, beside its keys
+    SparseRows weights;  // vertices x bones; a row, with other bones and without keys, sums to 1
     // vertices x o: sum of the weights of bones that are active in P_k; above 1 if keys overlap
     std::vector<float> reach;
     bool overlaps = false;   // reach is above 1 somewhere
