@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Section 5.2.1 of Gillette 2015: a path keeps to its edges and slides along them.
+// Section 5.2.1 of Gillette 2015: a path stays on its edges and slides along them.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -15,19 +15,20 @@ namespace {
 using glm::dvec3;
 using Points = std::vector<PathPoint>;
 
-// Seconds between frames that count: beside the weight of more nothing else is left of the squares.
+// Limit of the seconds between frames. With a larger weight, rounding would lose the other squares.
 constexpr double kLongest = 3600.0;
 
-// Sums of squares of residuals, each linear in at most three neighbouring unknowns: a band of width 2.
+// A sum of squares of residuals. Each is linear in at most three consecutive unknowns, so the matrix has band
+// width 2.
 class BandedSquares {
   public:
     explicit BandedSquares(size_t unknowns) : band_(unknowns, {0.0, 0.0, 0.0}), right_(unknowns, 0.0) {}
 
     struct Slope {
-        Index unknown;  // outside of 0 .. unknowns - 1: a constant
+        Index unknown;  // a constant if outside of 0 .. unknowns - 1
         double value;
     };
-    // (residual + sum of slopes x unknowns)^2
+    // Adds (residual + sum of slopes * unknowns)^2.
     void add(double residual, std::initializer_list<Slope> slopes) {
         for (const Slope& a : slopes) {
             if (!holds(a.unknown)) continue;
@@ -38,7 +39,7 @@ class BandedSquares {
             }
         }
     }
-    // By Cholesky's method: L D L^T in the band.
+    // Banded Cholesky factorisation L D L^T.
     std::vector<double> solve() {
         const size_t n = right_.size();
         for (size_t i = 0; i < n; ++i) {
@@ -67,8 +68,8 @@ dvec3 edge_vector(const Model& model, const std::vector<Vec3>& positions, const 
     return dvec3(positions[model.net.vertex[next_in_triangle(h)]]) - dvec3(positions[model.net.vertex[h]]);
 }
 
-// How a triangle turned between two poses: the rotation of its deformation (polar decomposition), so that a
-// squeeze, which turns every edge, turns nothing.
+// The rotation of a triangle between two poses: the rotation of its deformation (polar decomposition). So a
+// pure compression, which turns every edge, gives no rotation.
 glm::dmat3 turn_of(const Pose& before, const Pose& now, Index t) {
     const FlatTriangle& a = before.shapes[t];
     const FlatTriangle& b = now.shapes[t];
@@ -83,7 +84,7 @@ glm::dmat3 turn_of(const Pose& before, const Pose& now, Index t) {
            glm::transpose(frame(before.frames[t]));
 }
 
-// ... of the triangles at a point of a path.
+// ... the mean for the triangles at a point of a path.
 glm::dmat3 turn_at(const Model& model, const Pose& before, const Pose& now, const PathPoint& p) {
     const glm::dmat3 turn = turn_of(before, now, p.triangle);
     if (p.edge == kNone) return turn;
@@ -96,20 +97,20 @@ dvec3 bend(const std::vector<Vec3>& p, size_t i) {
     return dvec3(p[i]) - 0.5 * (dvec3(p[before]) + dvec3(p[after]));
 }
 
-// Equation 5.2, for the change of every t_i. Its terms in square lengths.
+// Minimises equation 5.2 over the change of every t_i. Its terms are squared lengths.
 std::vector<double> slide(const PathContext& context, const Pose& before, const Settings& settings,
                           double seconds, const Points& points) {
     const Model& model = context.model;
     const PathContext stood{model, before, {}, {}, {}};
     const std::vector<Vec3> now = positions(context, points), then = positions(stood, points);
     const size_t last = points.size() - 1;
-    std::vector<dvec3> edge(points.size(), dvec3(0.0));  // dp_i / dt_i; the ends stay on the cloth
+    std::vector<dvec3> edge(points.size(), dvec3(0.0));  // dp_i / dt_i; the ends do not move on the cloth
     for (size_t i = 1; i < last; ++i) edge[i] = edge_vector(model, context.pose.positions, points[i]);
     const auto unknown = [](size_t i) { return static_cast<Index>(i) - 1; };
 
     BandedSquares squares(last - 1);
     const double per_frame = 30.0 * std::min(seconds, kLongest);
-    for (size_t i = 0; i < last; ++i) {  // across the compression
+    for (size_t i = 0; i < last; ++i) {  // alignment across the compression
         const Index t = segment_triangle(model, points, i);
         const double certain =
             std::clamp(double(context.compression[t] - 1.0f) / double(settings.threshold - 1.0f), 0.0, 1.0);
@@ -119,8 +120,8 @@ std::vector<double> slide(const PathContext& context, const Pose& before, const 
                     {{unknown(i), -glm::dot(edge[i], e)}, {unknown(i + 1), glm::dot(edge[i + 1], e)}});
     }
     for (size_t i = 1; i < last; ++i)
-        squares.add(0.0, {{unknown(i), std::max(glm::length(edge[i]), double(kShortestEdge))}});  // its place
-    for (size_t i = 0; i <= last; ++i) {                                                          // its shape
+        squares.add(0.0, {{unknown(i), std::max(glm::length(edge[i]), double(kShortestEdge))}});  // position
+    for (size_t i = 0; i <= last; ++i) {                                                          // shape
         const dvec3 change = bend(now, i) - turn_at(model, before, context.pose, points[i]) * bend(then, i);
         const double side = i == 0 || i == last ? 1.0 : 0.5;
         for (int c = 0; c < 3; ++c) {
@@ -137,19 +138,19 @@ std::vector<double> slide(const PathContext& context, const Pose& before, const 
     return squares.solve();
 }
 
-// Half-edges from or to one vertex, seen from a triangle there.
+// Whether a half-edge starts or ends at a vertex.
 bool touches(const Model& model, Index half_edge, Index vertex) {
     return model.net.vertex[half_edge] == vertex || model.net.vertex[next_in_triangle(half_edge)] == vertex;
 }
 
-// The other side of the triangle at a vertex: of its two half-edges there, not this one.
+// The other one of the triangle's two half-edges at a vertex.
 Index other_spoke(const Model& model, Index half_edge, Index vertex) {
     return model.net.vertex[half_edge] == vertex ? previous_in_triangle(half_edge)
                                                  : next_in_triangle(half_edge);
 }
 
-// The spokes around a vertex from one triangle to another, not by way of half-edge `not_by` of the first.
-// False at an open border.
+// The spokes around a vertex from one triangle to another, starting away from half-edge `not_by` of the
+// first. False at an open border.
 bool spokes_between(const Model& model, Index vertex, Index not_by, Index to_triangle,
                     std::vector<Index>& spokes) {
     Index h = other_spoke(model, not_by, vertex);
@@ -162,8 +163,9 @@ bool spokes_between(const Model& model, Index vertex, Index not_by, Index to_tri
     return true;
 }
 
-// Where the straight line between the points before and after crosses the spokes, unfolded around the vertex,
-// but not farther from the vertex than the path went beyond it.
+// Places points where the straight line between the points before and after crosses the spokes, unfolded
+// around the vertex. They are not farther from the vertex than `beyond`, the distance by which the path
+// passed it.
 void place_on_spokes(const PathContext& context, Index vertex, const Vec3& before, const Vec3& after,
                      double beyond, const std::vector<Index>& spokes, Points& out) {
     const dvec3 centre(context.pose.positions[vertex]);
@@ -199,20 +201,20 @@ void place_on_spokes(const PathContext& context, Index vertex, const Vec3& befor
     }
 }
 
-// How far a point lies from a vertex of its edge, on the side that the path passes it; below 0 beyond it.
+// The distance of a point from a vertex of its edge, negative if it has passed the vertex.
 double distance_from(const PathContext& context, const PathPoint& p, Index vertex) {
     const bool from = context.model.net.vertex[half_edge(p)] == vertex;
     return glm::length(edge_vector(context.model, context.pose.positions, p)) *
            (from ? p.at.x : 1.0 - p.at.x);
 }
 
-// Point i left its edge over a vertex: the path passes the vertex on the other side from now on. At a border
-// it stays, and while the points on the other edges of the vertex would rather stay on this side.
+// Point i left its edge over a vertex, so the path now passes the vertex on the other side. It stays on its
+// side at a border, or if the mean of the points on this vertex's edges is still on it.
 void pass_vertex(const PathContext& context, Points& points, size_t i) {
     const Model& model = context.model;
     const Index h = half_edge(points[i]);
     const Index vertex = model.net.vertex[points[i].at.x < 0.0f ? h : next_in_triangle(h)];
-    size_t first = i, last = i;  // the run of points on edges at this vertex
+    size_t first = i, last = i;  // consecutive points on edges at this vertex
     while (first > 1 && touches(model, half_edge(points[first - 1]), vertex)) --first;
     while (last + 2 < points.size() && touches(model, half_edge(points[last + 1]), vertex)) ++last;
     double side = 0.0;
@@ -231,7 +233,7 @@ void pass_vertex(const PathContext& context, Points& points, size_t i) {
     points.insert(points.begin() + first, around.begin(), around.end());
 }
 
-// A path that goes over an edge and straight back does not go over it.
+// Removes pairs of points where a path crosses an edge and directly returns.
 void drop_returns(const Model& model, Points& points) {
     for (size_t i = 1; i + 2 < points.size();) {
         if (model.net.twin[half_edge(points[i])] != half_edge(points[i + 1])) {
@@ -254,7 +256,8 @@ void follow(const PathContext& context, const Pose& before, const Settings& sett
         lengths.push_back(
             float(std::abs(change[i]) *
                   glm::length(edge_vector(context.model, context.pose.positions, points[i + 1]))));
-    // Less than anyone can see: nothing moves, so that a standing figure stands still to the bit.
+    // If all movements are too small to be visible, nothing moves, so that a standing figure stays the same
+    // to the bit.
     const bool still = *std::max_element(lengths.begin(), lengths.end()) < kStill * settings.width;
     for (size_t i = 0; i < change.size(); ++i) {
         moved.push_back(still ? 0.0f : lengths[i]);

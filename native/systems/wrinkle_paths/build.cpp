@@ -10,7 +10,7 @@
 namespace rumple::wrinkle_paths {
 namespace {
 
-// 4 sqrt(3) area over the sum of squared edges: 1 for an equilateral triangle.
+// 4 sqrt(3) area / the sum of squared edges: 1 for an equilateral triangle.
 float quality_of(const FlatTriangle& t) {
     if (!t.has_area()) return 0.0f;
     const Vec2 u1(t.x1, 0.0f), u2(t.x2, t.y2);
@@ -28,7 +28,7 @@ void sort_by_triangle(Model& model) {
     for (size_t v = 0; v < places.size(); ++v) model.fine_vertex[end[places[v].triangle]++] = Index(v);
 }
 
-// Limit positions of the welded vertices; loose ones stay where they are.
+// Limit positions of the welded vertices. Loose vertices keep their position.
 SparseRows limit_of_all_vertices(const Surface& surface) {
     const SparseRows limit = vertex_limit_stencils(surface);
     SparseRows rows;
@@ -39,7 +39,7 @@ SparseRows limit_of_all_vertices(const Surface& surface) {
     return rows;
 }
 
-// Of the welded vertices, over the edges of the triangles.
+// The rings of the welded vertices from the border, along edges of triangles.
 std::vector<Index> rings_over(const Surface& surface, const TriangleNet& net) {
     std::vector<std::array<Index, 2>> edges;
     edges.reserve(net.vertex.size());

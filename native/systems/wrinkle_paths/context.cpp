@@ -45,7 +45,7 @@ float hem_weight(const Model& model, const Settings& settings, const SurfacePoin
 
 namespace {
 
-// The share of a triangle's folds that have a place: lines along them run straight.
+// The share of a triangle's folds that are possible, because the lines along them are straight enough.
 float share_with_place(const Model& model, const std::vector<SpareCloth>& spare, Index triangle,
                        const Vec3& across) {
     if (spare.empty()) return 1.0f;
@@ -53,8 +53,7 @@ float share_with_place(const Model& model, const std::vector<SpareCloth>& spare,
     return 1.0f - (at(0) + at(1) + at(2)).share_without_place(across);
 }
 
-// The direction that is asked for in every triangle, in the plane of its shape in this pose (u1 along x), of
-// length 0..1.
+// The direction painted for every triangle, in the plane of its shape in this pose (u1 along x), length 0..1.
 std::vector<Vec2> asked_along(const Model& model, const Paint& paint, const Pose& pose) {
     std::vector<Vec2> out(paint.along.empty() ? 0 : model.rest.size(), Vec2(0.0f));
     for (size_t t = 0; t < out.size(); ++t) {
@@ -64,7 +63,7 @@ std::vector<Vec2> asked_along(const Model& model, const Paint& paint, const Pose
         Vec3 sum(0.0f);
         for (size_t k = 0; k < 3; ++k) {
             const Vec3& asked = paint.along[model.base.representative[vertex(k)]];
-            sum += glm::dot(sum, asked) < 0.0f ? -asked : asked;  // a line, either way
+            sum += glm::dot(sum, asked) < 0.0f ? -asked : asked;  // a line without orientation
         }
         const auto at = [&](size_t k) { return model.base.positions_rest[vertex(k)]; };
         const TriangleFrame frame = triangle_frame(at(0), at(1), at(2));

@@ -13,10 +13,10 @@
 namespace rumple::wrinkle_paths {
 namespace {
 
-// Triangles that a smoothed point may have left its own for.
+// Largest number of triangles between a smoothed point and its own triangle.
 constexpr int kMostSteps = 32;
 
-// Weights of the corners where a point stands over the plane of a triangle.
+// Barycentric weights of a point projected to the plane of a triangle.
 Vec3 weights_of(const PathContext& context, Index triangle, const Vec3& p) {
     const FlatTriangle& shape = context.pose.shapes[triangle];
     if (!shape.has_area()) return {1.0f, 0.0f, 0.0f};
@@ -25,7 +25,8 @@ Vec3 weights_of(const PathContext& context, Index triangle, const Vec3& p) {
     return {float(1.0 - u - v), float(u), float(v)};
 }
 
-// The place below a point, by a walk towards it from its segment's triangle; at a border the nearest weights.
+// The place below a point, by a walk towards it from its segment's triangle. At a border the weights are
+// clamped.
 SurfacePoint place_of(const PathContext& context, Index triangle, const Vec3& p) {
     Vec3 weights = weights_of(context, triangle, p);
     for (int step = 0; step < kMostSteps; ++step) {
@@ -42,7 +43,7 @@ SurfacePoint place_of(const PathContext& context, Index triangle, const Vec3& p)
     return {triangle, weights.y, weights.z};
 }
 
-// The unwrinkled surface that the fine mesh rides on; the limit surface as PN triangles between its vertices.
+// The surface without wrinkles below the fine mesh. The limit surface is approximated by PN triangles.
 struct SmoothBase {
     const Model& model;
     const Pose& pose;

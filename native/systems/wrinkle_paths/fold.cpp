@@ -12,22 +12,22 @@
 namespace rumple::wrinkle_paths {
 namespace {
 
-// Pieces that a smoothed segment is cut into, to the width L_min, and at most.
+// Number of pieces of a smoothed segment per width L_min, and its limit.
 constexpr float kPiecesPerWidth = 2.0f;
 constexpr int kMostPieces = 16;
 
-// Of the Gaussian that smooths a path, in L_min.
+// Standard deviation of the Gaussian that smooths a path / L_min.
 constexpr float kStiffness = 1.0f;
 
-// The ends of a fold taper over so many full widths, or over half of it where it is shorter.
+// Length over which the ends of a fold taper / full width. A short fold tapers over half of its length.
 constexpr float kTaper = 2.0f;
 
-// A fold's compression is its mean over so many full widths to both sides.
+// The compression is averaged over this distance to both sides / full width.
 constexpr float kBlur = 0.75f;
 
 using formulas::FoldEnd;
 
-// Lengths along a line of points from its first.
+// Arc lengths of points from the first one.
 std::vector<float> lengths_along(const std::vector<FoldEnd>& ends) {
     std::vector<float> arc_length{0.0f};
     for (size_t i = 0; i + 1 < ends.size(); ++i)
@@ -35,14 +35,13 @@ std::vector<float> lengths_along(const std::vector<FoldEnd>& ends) {
     return arc_length;
 }
 
-// Where a path runs, as it is: a point, and the normal of the triangle that it goes on over.
+// An unsmoothed point of a path, and the normal of the triangle after it.
 struct RawPoint {
     Vec3 at, normal;
 };
 
-// The mean of a line around its point i, by a Gaussian of its length; nothing at the ends. It moves along the
-// surface only: around a bend the mean itself lies beside the surface, and a fold there would be too low on
-// it.
+// The Gaussian mean of a line around its point i, over arc length; the ends stay. Only the tangential part is
+// used. Around a bend the mean is beside the surface, so a fold there would be too low.
 Vec3 smoothed(const std::vector<RawPoint>& points, const std::vector<float>& arc_length, size_t i,
               float most) {
     const Vec3& at = points[i].at;
@@ -64,7 +63,7 @@ Vec3 smoothed(const std::vector<RawPoint>& points, const std::vector<float>& arc
     return at + shift - glm::dot(shift, normal) * normal;
 }
 
-// Section 6.2: a fold cannot bend within its own width.
+// Section 6.2: smooths a path, because a fold cannot bend within its own width.
 void smooth(const PathContext& context, const Settings& settings, const Path& path, Fold& fold) {
     const std::vector<Vec3> points = positions(context, path.points);
     std::vector<RawPoint> raw;
@@ -90,18 +89,18 @@ float signed_side(Direction direction, Index id) {
     return inward ? -1.0f : 1.0f;
 }
 
-// Of the compression, what the fold takes up: nothing at what paths reach to, all from tau on. The rest the
-// cloth takes up in its plane, as it does below tau where there is no fold.
+// The share of the compression that becomes a fold: 0 at the compression down to which paths grow, 1 from tau
+// on. The cloth absorbs the rest in its plane, as everywhere below tau without a fold.
 float folded_share(const Settings& settings, float compression) {
     const float least = reach_threshold(settings);
     return smooth_step(0.0f, 1.0f, (compression - least) / std::max(settings.threshold - least, 1e-6f));
 }
 
-// A value of the triangles that a path runs through, along it. It has a step at every edge; its mean over a
-// stretch of the path has none.
+// A value of the triangles as a function of arc length along a path. It has a step at every edge. Its mean
+// over an interval is continuous.
 class AlongPath {
   public:
-    // value_of: of a triangle.
+    // value_of: the value of a triangle.
     template <typename Value>
     AlongPath(const PathContext& context, const Path& path, const Fold& fold,
               const std::vector<float>& arc_length, Value&& value_of) {
@@ -119,7 +118,7 @@ class AlongPath {
         end_.push_back(end);
         value_.push_back(value);
     }
-    float sum(float arc_length) const {  // from the start
+    float sum(float arc_length) const {  // integral from the start
         const auto above = std::upper_bound(end_.begin() + 1, end_.end() - 1, arc_length);
         const size_t i = size_t(above - end_.begin()) - 1;
         return sum_[i] + value_[i] * (arc_length - end_[i]);
@@ -128,12 +127,12 @@ class AlongPath {
     std::vector<float> end_{0.0f}, sum_{0.0f}, value_;
 };
 
-// Section 6.1: L_max wide and flat at the ends, as narrow as the compression asks for between them. Where
-// that falls below tau the fold sinks, down to nothing at the compression that paths reach to.
+// Section 6.1: a fold is L_max wide and flat at its ends, and as narrow as the compression requires between
+// them. Below tau its height decreases, to zero at the compression down to which paths grow.
 void shape(const PathContext& context, const Settings& settings, const Path& path, Fold& fold) {
     std::vector<FoldEnd>& ends = fold.ends;
     const std::vector<float> arc_length = lengths_along(ends);
-    const float most = kMostRatio * settings.width;  // s = L_max, where nothing narrower is painted
+    const float most = kMostRatio * settings.width;  // s = L_max, if no smaller width is painted
     const float taper = std::max(std::min(0.5f * arc_length.back(), kTaper * most), kShortestEdge);
     const float rise =
         settings.height * smooth_step(0.0f, 1.0f, path.fade) * signed_side(settings.direction, path.id);

@@ -13,8 +13,8 @@ namespace {
 
 using glm::dvec2;
 
-// How much of the last half of a path should go: where the compression is too low, and beyond a crossing with
-// an older path.
+// The length to remove from the last half of a path: where the compression is too low, and beyond a crossing
+// with an older path.
 float surplus(const PathContext& context, const Settings& settings, const SegmentMap& map,
               const std::vector<PathPoint>& points, bool& crosses) {
     const std::vector<Vec3> at = positions(context, points);
@@ -39,7 +39,7 @@ float surplus(const PathContext& context, const Settings& settings, const Segmen
     return cut;
 }
 
-// Takes `amount` off the end; at least one segment stays.
+// Removes `amount` from the end, but keeps at least one segment.
 void shorten(const PathContext& context, std::vector<PathPoint>& points, float amount) {
     while (true) {
         const size_t last = points.size() - 1;
@@ -56,7 +56,7 @@ void shorten(const PathContext& context, std::vector<PathPoint>& points, float a
     }
 }
 
-// Goes on straight in the triangle of the end, then as a new path would.
+// Extends the path, first straight in the end's triangle, then like a new path.
 bool lengthen(const PathContext& context, const Settings& settings, const SegmentMap& map, float amount,
               std::vector<PathPoint>& points) {
     const size_t last = points.size() - 1;
@@ -78,7 +78,7 @@ bool lengthen(const PathContext& context, const Settings& settings, const Segmen
     return true;
 }
 
-// True when the end has moved.
+// Returns whether the end has moved.
 bool update_end(const PathContext& context, const Settings& settings, const SegmentMap& map, float most,
                 std::vector<PathPoint>& points, bool& crosses) {
     if (!context.pose.shapes[points.back().triangle].has_area()) return false;
@@ -89,7 +89,7 @@ bool update_end(const PathContext& context, const Settings& settings, const Segm
     return true;
 }
 
-// One value towards another within `fade` seconds.
+// Moves a value towards a target; a change of 1 takes `fade` seconds.
 void approach(float& value, float target, double seconds, float fade) {
     const float step = fade > 0.0f ? float(seconds / fade) : 1.0f;
     value = std::clamp(target, value - step, value + step);
@@ -115,7 +115,8 @@ void update_lifecycle(const PathContext& context, const Settings& settings, doub
         report.merging += crosses;
 
         const float compression = strongest(context, path.points);
-        // A glitch of one frame is over before a fold has risen: until then it needs what it was born of.
+        // An error in a single frame is over before a fold has grown. So until then it needs the compression
+        // of a new fold.
         const float needed = path.fade < 1.0f ? settings.threshold : reach_threshold(settings);
         const bool alive = compression >= needed &&
                            length(context, path.points) >= 0.5f * kShortestPath * width &&

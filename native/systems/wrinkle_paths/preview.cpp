@@ -11,15 +11,14 @@
 namespace rumple::wrinkle_paths {
 namespace {
 
-// Section 7.3: target edge of triangles with folds, to L_min.
+// Section 7.3: target edge length in triangles with folds / L_min.
 constexpr float kFoldedEdge = 3.0f / 8.0f;
 
-// Of the others: how far a straight edge may be from the curved one, to L_min.
+// In other triangles: largest distance of a straight edge from the curved one / L_min.
 constexpr float kFlatness = 0.04f;
 
 Index power_of_two(float parts) {
-    const float whole =
-        parts >= 1.0f ? std::min(parts, float(kMostParts)) : 1.0f;  // also of what is no number
+    const float whole = parts >= 1.0f ? std::min(parts, float(kMostParts)) : 1.0f;  // NaN gives 1
     return std::min(std::bit_ceil(std::uint32_t(whole + 0.999f)), std::uint32_t(kMostParts));
 }
 
@@ -27,7 +26,8 @@ bool has_folds(const TriangleLists& lists, Index triangle) {
     return lists.triangle_start[triangle] < lists.triangle_start[triangle + 1];
 }
 
-// The same for both half-edges: from the lower vertex to the higher.
+// The number of parts of an edge. It is equal for both half-edges, because it is computed from the lower
+// vertex to the higher one.
 Index parts_of_edge(const Model& model, const Settings& settings, const Drawing& drawing, Index half_edge) {
     const auto [a, b] =
         std::minmax(model.net.vertex[half_edge], model.net.vertex[next_in_triangle(half_edge)]);

@@ -11,9 +11,8 @@ namespace rumple::wrinkle_paths {
 inline constexpr Index kMostParts = 32;
 
 struct Parts {
-    Index triangle = 1;  // the largest of
-    std::array<Index, 3> edges{1, 1,
-                               1};  // those of its edges, from corner k to k + 1: the same on both sides
+    Index triangle = 1;                   // the largest number of parts of an edge
+    std::array<Index, 3> edges{1, 1, 1};  // per edge, from corner k to k + 1: equal for both triangles
 };
 
 // A frame. The surface is the PN triangles over `smooth` and `normal`; heights are measured over `flat`.

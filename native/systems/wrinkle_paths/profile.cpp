@@ -10,7 +10,7 @@
 namespace rumple::wrinkle_paths {
 namespace {
 
-// Arc length over width of a fold h / L high.
+// Arc length / width of a fold with this height / width.
 double arc_over_width(Profile kind, double height_over_width) {
     constexpr int kSteps = 2048;
     double sum = 0.0;
@@ -22,7 +22,7 @@ double arc_over_width(Profile kind, double height_over_width) {
     return 2.0 * sum;
 }
 
-// Every profile is longer than kMostRatio times its width when it is this high over its width.
+// At this height / width, the arc length of every profile is more than kMostRatio times its width.
 constexpr double kHighest = 0.75;
 
 }  // namespace
@@ -35,7 +35,7 @@ float HeightTable::height_over_width(float ratio) const {
     ratio = std::clamp(ratio, 1.0f, kMostRatio);
     const auto above = std::upper_bound(ratio_.begin(), ratio_.end(), ratio);
     const int i = std::clamp(int(above - ratio_.begin()) - 1, 0, kIntervals - 1);
-    // Length grows with the square of a small height, so squares of heights are mixed.
+    // For small heights the length grows with the square of the height, so squares are interpolated.
     const float fraction = (ratio - ratio_[i]) / (ratio_[i + 1] - ratio_[i]);
     const float low = float(i * i), high = float((i + 1) * (i + 1));
     return float(kHighest) / kIntervals * std::sqrt(low + std::max(fraction, 0.0f) * (high - low));

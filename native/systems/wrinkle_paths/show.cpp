@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Chapters 7 and 8 of Gillette 2015: whom the folds reach, and the heights they give.
+// Chapters 7 and 8 of Gillette 2015: the triangles that folds reach, and the heights of the folds.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -13,10 +13,10 @@
 namespace rumple::wrinkle_paths {
 namespace {
 
-// Below this many fine vertices threads are not worth it: alone a frame takes a few milliseconds.
+// Below this number of fine vertices one thread is faster: a frame takes only a few milliseconds.
 constexpr size_t kVerticesForThreads = 50'000;
 
-// A bound is so much wider than what it is computed from.
+// Factor on bounds, so that rounding errors do not make them too small.
 constexpr float kRounding = 1.0f + 1e-5f;
 
 using formulas::FoldEnd;
@@ -32,7 +32,8 @@ float segment_distance(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& 
     return glm::length(w + s * u - t * v);
 }
 
-// How far the smoothed pieces leave the straight segment: instead of the bounding ellipse of section 8.1.
+// The largest distance of the smoothed pieces from the straight segment. It replaces the bounding ellipse of
+// section 8.1.
 float deviation(const Fold& fold, Index begin, Index end) {
     float most = 0.0f;
     for (Index i = begin + 1; i < end; ++i) {
@@ -47,7 +48,7 @@ struct Reached {
     std::array<Index, 2> pieces;
 };
 
-// Sorted into lists by triangle; ranges that follow one another become one.
+// Sorts ranges into lists by triangle, and joins consecutive ranges.
 void sort_by_triangle(std::vector<Reached>& reached, Index triangles, TriangleLists& out) {
     std::stable_sort(reached.begin(), reached.end(),
                      [](const Reached& a, const Reached& b) { return a.triangle < b.triangle; });
@@ -92,10 +93,10 @@ TriangleLists build_triangle_lists(const PathContext& context, const Settings& s
     return out;
 }
 
-// Beyond it a piece's height is zero: most points of the triangles that it reaches are.
+// A piece's height is zero outside of its ball. Most points of the triangles that it reaches are outside.
 struct Ball {
     Vec3 middle{0.0f};
-    float radius = 0.0f;  // 0: of a piece without height
+    float radius = 0.0f;  // 0: piece without height
 };
 
 std::vector<Ball> balls_around(const std::vector<FoldEnd>& ends) {
@@ -115,7 +116,7 @@ bool may_reach(const Ball& ball, const Vec3& p, float radius) {
     return glm::dot(displacement, displacement) <= reach * reach;
 }
 
-// The pieces that are not flat at the points of one triangle.
+// Collects the pieces that are not flat somewhere in a triangle.
 void pieces_at(const PathContext& context, const TriangleLists& lists, const std::vector<Ball>& balls,
                Index triangle, std::vector<Index>& pieces) {
     const Vec3 a = context.vertex(3 * triangle), b = context.vertex(3 * triangle + 1),
@@ -130,7 +131,7 @@ void pieces_at(const PathContext& context, const TriangleLists& lists, const std
     }
 }
 
-// Section 7.5: the highest of the pieces at a point.
+// Section 7.5: the height of the highest piece at a point.
 float height_at(const TriangleLists& lists, const std::vector<Ball>& balls, const std::vector<Index>& pieces,
                 Profile kind, const Vec3& p) {
     float best = 0.0f;
@@ -142,7 +143,7 @@ float height_at(const TriangleLists& lists, const std::vector<Ball>& balls, cons
     return best;
 }
 
-// Of the fine vertices that lie in some triangles.
+// Heights of the fine vertices in a range of triangles.
 void fine_heights(const PathContext& context, const Settings& settings, const TriangleLists& lists,
                   const std::vector<Ball>& balls, Team::Range triangles, std::vector<float>& height) {
     const Model& model = context.model;
@@ -161,14 +162,14 @@ void fine_heights(const PathContext& context, const Settings& settings, const Tr
     }
 }
 
-// The fine vertices on the smooth surface, lifted along its normals.
+// Fine vertices on the smooth surface, displaced along its normals.
 struct Lifted {
     std::vector<float> height;
     std::vector<Vec3> offset;
     std::vector<Vec3> positions;
 };
 
-// Every fine vertex lies in one triangle, so that no two threads write to one.
+// Every fine vertex is in one triangle, so no two threads write the same one.
 Lifted lift(const PathContext& context, const Settings& settings, const TriangleLists& lists) {
     const Model& model = context.model;
     const std::vector<Vec3>& base = context.pose.positions;
@@ -190,7 +191,7 @@ Lifted lift(const PathContext& context, const Settings& settings, const Triangle
     return out;
 }
 
-// What the paths of a state stand on in a pose; checked.
+// The context of a state's paths in a pose. Checks its arguments.
 PathContext shown_context(const Model& model, const Settings& settings, const Pose& pose,
                           const State& state) {
     check(settings);

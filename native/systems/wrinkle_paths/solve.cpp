@@ -29,7 +29,7 @@ void check(const Model& model, const Input& input, const State* state) {
     check_frame_time(model.base, input, state);
 }
 
-// Section 5.2.1 for all paths, and how far their points went.
+// Section 5.2.1 for all paths, and statistics about the movement of their points.
 void follow_all(const PathContext& context, const State& state, const Settings& settings, double seconds,
                 std::vector<Path>& paths, Report& report) {
     const size_t vertices = context.pose.positions.size();
@@ -41,7 +41,7 @@ void follow_all(const PathContext& context, const State& state, const Settings& 
     double sum = 0.0;
     for (const float length : moved) sum += length;
     std::sort(moved.begin(), moved.end());
-    // The smallest width there is would make it infinite.
+    // With the smallest possible width the quotient would be infinite.
     const auto in_widths = [&](double length) {
         return float(std::min(length / double(settings.width), double(std::numeric_limits<float>::max())));
     };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Section 5.1 of Gillette 2015: where folds start, and their first way.
+// Section 5.1 of Gillette 2015: where folds start, and how they are first traced.
 #include <algorithm>
 #include <cmath>
 
@@ -13,13 +13,13 @@ namespace {
 
 using glm::dvec2;
 
-// Places where folds may start, to the area of spacing x spacing.
+// Number of places where folds may start, per area of spacing x spacing.
 constexpr float kSeedsPerSpacing = 4.0f;
 
-// A frame that looks at more of them takes minutes: a width in the wrong unit.
+// With more seeds a frame takes minutes. The usual cause is a width in the wrong unit.
 constexpr size_t kMostSeeds = 100'000;
 
-// Uniform in 0..1; depends on the seed, the triangle and the sample only.
+// A uniform number in 0..1. It depends only on the seed, the triangle and the sample.
 float random(std::uint32_t seed, std::uint32_t triangle, std::uint32_t sample) {
     const std::uint32_t x =
         mixed_bits(triangle * 0x9E3779B9u ^ (seed + 0x7F4A7C15u) * 0x85EBCA6Bu ^ (sample + 1u) * 0xC2B2AE35u);
@@ -32,8 +32,8 @@ struct Seed {
     float compression;  // weighted by the shape of the triangle
 };
 
-// The same places on the cloth in every frame, sampled per area, so that the density of the mesh does not
-// matter.
+// The same places on the cloth in every frame. They are sampled by area, so that the density of the mesh does
+// not matter.
 std::vector<Seed> seeds(const PathContext& context, const Settings& settings) {
     std::vector<Seed> out;
     for (Index t = 0; t < context.model.net.triangles(); ++t) {
@@ -62,7 +62,8 @@ std::vector<Seed> seeds(const PathContext& context, const Settings& settings) {
     return out;
 }
 
-// Both ways from the seed, at right angles to the compression. Empty where that has no direction.
+// Traces a path in both directions from the seed, at right angles to the compression. Empty if the
+// compression has no direction.
 std::vector<PathPoint> trace(const PathContext& context, const Settings& settings, const SegmentMap& map,
                              const Seed& seed) {
     const Stretch& s = context.stretch[seed.triangle];
@@ -74,15 +75,15 @@ std::vector<PathPoint> trace(const PathContext& context, const Settings& setting
     std::vector<Index> visited{seed.triangle};
     const dvec2 at = flat_in(context, seed.triangle, seed.at), along(-s.direction.y, s.direction.x);
     const Walk ahead = walk(context, seed.triangle, at, along, limits, visited);
-    limits.turned = -ahead.turned;  // what was walked ahead lies behind now, the other way round
+    limits.turned = -ahead.turned;  // the first half of the path is now behind, in the opposite direction
     const Walk back = walk(context, seed.triangle, at, -along, limits, visited);
     std::vector<PathPoint> points = reversed(context.model, back.points);
     points.insert(points.end(), ahead.points.begin(), ahead.points.end());
     return points;
 }
 
-// Half way to where the shortest line between its neighbours crosses the edge of a point, all at once
-// (figure 5.1).
+// Moves every point half way to the crossing of its edge with the shortest line between its neighbours, all
+// at the same time (figure 5.1).
 void smooth(const PathContext& context, std::vector<PathPoint>& points) {
     const std::vector<PathPoint> old = points;
     for (size_t i = 1; i + 1 < old.size(); ++i) {
@@ -160,7 +161,7 @@ std::string validate(const Model& model, const std::vector<Path>& paths) {
             if (p.triangle < 0 || p.triangle >= triangles) return say(i, "in no triangle");
             if (p.edge < kNone || p.edge > 2 || end != (p.edge == kNone))
                 return say(i, end ? "an end that is on an edge" : "not on an edge");
-            if (!std::isfinite(p.at.y)) return say(i, "not finite");  // on an edge nothing else reads it
+            if (!std::isfinite(p.at.y)) return say(i, "not finite");  // points on an edge do not use it
             if (!end && (!(p.at.x >= 0.0f) || p.at.x > 1.0f)) return say(i, "beyond its edge");
             if (end && (!(p.at.x >= 0.0f) || !(p.at.y >= 0.0f) || p.at.x + p.at.y > 1.0f + 1e-6f))
                 return say(i, "outside of its triangle");

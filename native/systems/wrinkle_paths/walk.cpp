@@ -28,12 +28,12 @@ struct Exit {
     double along_edge = 0.0;
 };
 
-// Where a line from `at` leaves a triangle, not by the edge it came in by.
+// Where a line from `at` leaves a triangle. It cannot leave by its entry edge.
 Exit leave(const PathContext& context, Index triangle, const dvec2& at, const dvec2& direction, Index entry) {
     Exit out;
     for (Index k = 0; k < 3; ++k) {
         const dvec2 from = context.corner(triangle, k), edge = context.corner(triangle, (k + 1) % 3) - from;
-        const double outward = cross(direction, edge);  // > 0: the inside lies to the left of every edge
+        const double outward = cross(direction, edge);  // > 0: the inside is to the left of every edge
         if (k == entry || outward <= 0.0) continue;
         const double distance = std::max(cross(from - at, edge) / outward, 0.0);
         if (distance >= out.distance) continue;
@@ -42,7 +42,7 @@ Exit leave(const PathContext& context, Index triangle, const dvec2& at, const dv
     return out;
 }
 
-// A direction carried over an edge by unfolding: what it has along and across the edge stays.
+// A direction transferred over an edge by unfolding: its components along and across the edge stay the same.
 dvec2 unfolded(const PathContext& context, const dvec2& direction, Index triangle, Index edge, Index twin) {
     const auto unit_edge = [&](Index t, Index k) {
         return glm::normalize(context.corner(t, (k + 1) % 3) - context.corner(t, k));
@@ -56,8 +56,8 @@ double angle_to(const dvec2& from, const dvec2& to) {
     return elementary::atan2(cross(from, to), glm::dot(from, to));
 }
 
-// At right angles to the compression, in the sense of `ahead`; `ahead` itself where there is no direction
-// worth following. inward: of the triangle, at the edge it is entered by.
+// The direction at right angles to the compression, oriented like `ahead`; or `ahead` itself if the
+// compression gives no reliable direction. inward: direction into the triangle at its entry edge.
 dvec2 turned(const PathContext& context, Index triangle, const dvec2& ahead, const dvec2& inward) {
     const Stretch& s = context.stretch[triangle];
     const bool even = s.compression * s.stretch < 1.0f + kEvenStretch;
@@ -69,8 +69,8 @@ dvec2 turned(const PathContext& context, Index triangle, const dvec2& ahead, con
     return glm::dot(direction, inward) > kShallow ? direction : ahead;
 }
 
-// How far along [at, at + distance direction] the first crossing with other segments of the triangle lies;
-// distance where there is none.
+// The distance along [at, at + distance direction] to the first crossing with other segments of the triangle;
+// `distance` if there is none.
 double distance_to_crossing(const PathContext& context, const WalkLimits& limits, Index triangle,
                             const dvec2& at, const dvec2& direction, double distance) {
     if (!limits.others) return distance;

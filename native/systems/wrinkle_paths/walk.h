@@ -74,7 +74,7 @@ Walk walk(const PathContext& context, Index triangle, glm::dvec2 at, glm::dvec2 
 // How far a path turns to the left from its first to its last segment, radians.
 double turning(const PathContext& context, const std::vector<PathPoint>& points);
 
-// Both ends of [a, b] and [c, d] on the other's two sides; fraction: of the way from a to b.
+// Whether [a, b] and [c, d] cross. fraction: receives the position of the crossing, 0 at a, 1 at b.
 bool segments_cross(const glm::dvec2& a, const glm::dvec2& b, const glm::dvec2& c, const glm::dvec2& d,
                     double& fraction);
 

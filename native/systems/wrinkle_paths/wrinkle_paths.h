@@ -55,8 +55,7 @@ inline constexpr float kLeastWidth = 0.1f;
 struct Paint {
     std::vector<float> mask;  // factor on (compression - 1): where folds may start, and how long they become
     std::vector<float> width{};  // factor on L_min, kLeastWidth..1
-    std::vector<Vec3>
-        along{};  // where folds are to run, object space at rest, of length 0..1 (guided_strain.h)
+    std::vector<Vec3> along{};   // direction of folds, object space at rest, length 0..1 (guided_strain.h)
 };
 
 // Built once at rest, then immutable; may be shared between objects.
