@@ -94,7 +94,7 @@ class GeometryNodes(Nodes):
         return compat.socket(node.outputs, "Attribute")
 
     def at(self, geometry: Socket, value: Socket, index: Socket | int, data_type: str = "FLOAT_VECTOR") -> Socket:
-        """A value at the point `index` of a geometry; zero where there is no such point."""
+        """A value at the point `index` of a geometry; zero if there is no such point."""
         node = self.node("GeometryNodeSampleIndex", data_type=data_type, domain="POINT")
         self.link(geometry, node, "Geometry")
         self.link(value, node, "Value")

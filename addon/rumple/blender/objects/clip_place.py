@@ -33,7 +33,7 @@ def of(obj: bpy.types.Object) -> Path | None:
     beside = folder.startswith("//")
     if beside and not bpy.data.filepath:
         return None
-    place = "" if beside else str(Path(bpy.data.filepath).parent)  # two files of the same name share this folder
+    place = "" if beside else str(Path(bpy.data.filepath).parent)  # files of one name may share this folder
     return Path(bpy.path.abspath(folder)) / clip_folder.clip_name(Path(bpy.data.filepath).stem, obj.name, place)
 
 

@@ -63,7 +63,7 @@ class ModifiedObjects:
 
     def _looked_up(self) -> list[Found] | None:
         """None if the list is no longer valid."""
-        names = self._names  # a copy, because a render's thread may discard the list
+        names = self._names  # read once, because a render's thread may discard the list
         if names is None:
             return None
         found = []

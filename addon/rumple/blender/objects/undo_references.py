@@ -52,7 +52,7 @@ _named: list[_Named] = []
 
 def clear_references() -> None:
     """Called before an undo or a redo. Cost: as a search for our modifiers. Blender evaluates their objects again."""
-    restore_references()  # in case that the last undo was aborted
+    restore_references()  # in case the last undo was aborted
     for obj, nodes_mod, names in list(kept_lists.with_hidden()):
         with messages.console_errors(obj.name):
             inputs = _blocks({name: get_input(nodes_mod, name) for name in names})

@@ -177,7 +177,7 @@ def _ask_for_meshes() -> None:
         if obj.rumple.method not in _DRAWINGS:
             continue
         over = uses_proxy(obj, nodes_mod)
-        if over != runtime.asked_for_proxy:  # only once, in case that it cannot be evaluated now
+        if over != runtime.asked_for_proxy:  # only once, in case it cannot be evaluated now
             runtime.asked_for_proxy = over
             if over != runtime.inputs.uses_proxy:
                 scheduler.tag_soon({obj.name})
