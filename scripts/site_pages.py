@@ -25,7 +25,7 @@ PARTS = {
     "Begin": ["install", "which_system", "lessons/index", "gallery", "bench"],
     "Use": ["user_guide", "habits", "farm", "engines", "platforms", "reliability", "publishing"],
     "How it works": ["base_cloth", "garments", "folds_on_cloth", "cloth_measured", "wrinkle_mesh", "wrinkle_field",
-                     "wrinkle_paths", "wrinkle_maps", "gpu_preview"],
+                     "wrinkle_paths", "wrinkle_maps", "gpu_preview", "speed"],
     "Reference": ["reference/c", "reference/python"],
     "The project": ["architecture", "adding_a_system", "contributing", "changelog", "pictures/SOURCES"],
 }

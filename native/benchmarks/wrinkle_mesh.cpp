@@ -115,7 +115,7 @@ void solve_on_threads(benchmark::State& bench) {
     bench.counters["triangles"] = double(scene.model->triangles.size());
 }
 BENCHMARK(solve_on_threads)
-    ->ArgsProduct({{32, 64, 177}, {1, 2}})
+    ->ArgsProduct({{8, 16, 32, 64, 177, 354}, {1, 2}})
     ->ArgNames({"squares", "threads"})
     ->UseRealTime()
     ->Unit(benchmark::kMillisecond);

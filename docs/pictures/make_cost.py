@@ -1,0 +1,89 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What a solve of the Wrinkle Mesh costs by its size: cost.svg. Readable on light and on dark pages.
+
+    docs/pictures/make_cost.py build/release/rumple_benchmarks
+
+The benchmark's solves on one thread and on two, in nanoseconds per triangle, on a scale of powers of ten for the size.
+"""
+from __future__ import annotations
+
+import json
+import math
+import subprocess
+import sys
+from pathlib import Path
+
+FILTER = "solve_on_threads"
+SMALLEST, LARGEST, MOST = 1e3, 1e7, 500.0  # what is drawn: triangles, nanoseconds per triangle
+LEFT, TOP, WIDE, HIGH = 64, 46, 600, 300
+STYLE = """
+svg { --back: #ffffff; --text: #1c1e21; --line: #c3c9d0; --k1: #2f6fae; --k2: #c0602a; }
+@media (prefers-color-scheme: dark) {
+    svg { --back: #16181b; --text: #e4e6e9; --line: #3a4048; --k1: #7db6ea; --k2: #f0a070; }
+}
+text { font: 13px system-ui, "DejaVu Sans", sans-serif; fill: var(--text); }
+polyline { fill: none; stroke-width: 1.6; }
+.grid { stroke: var(--line); stroke-width: 1; }
+"""
+
+
+def measured(benchmarks: str) -> dict[int, list[tuple[float, float]]]:
+    """(triangles, ms) of every size, by the number of threads. The least of three runs."""
+    found = json.loads(subprocess.run([benchmarks, f"--benchmark_filter={FILTER}", "--benchmark_repetitions=3",
+                                       "--benchmark_format=json"], stdout=subprocess.PIPE, check=True).stdout)
+    least: dict[tuple[int, float], float] = {}
+    for run in found["benchmarks"]:
+        if run["run_type"] == "iteration":
+            threads = int(run["name"].partition("threads:")[2].partition("/")[0])
+            key = threads, float(run["triangles"])
+            least[key] = min(least.get(key, math.inf), float(run["real_time"]))
+    out: dict[int, list[tuple[float, float]]] = {}
+    for (threads, triangles), ms in sorted(least.items()):
+        out.setdefault(threads, []).append((triangles, ms))
+    return out
+
+
+def across(triangles: float) -> float:
+    return LEFT + WIDE * math.log10(triangles / SMALLEST) / math.log10(LARGEST / SMALLEST)
+
+
+def down(nanoseconds: float) -> float:
+    return TOP + HIGH * (1.0 - nanoseconds / MOST)
+
+
+def words(text: str, x: float, y: float, anchor: str = "middle", color: str = "--text") -> str:
+    return f'<text x="{x:.0f}" y="{y:.0f}" text-anchor="{anchor}" style="fill:var({color})">{text}</text>'
+
+
+def axes() -> str:
+    parts = [f'<path class="grid" d="M{LEFT} {down(n)}h{WIDE}"/>' + words(f"{n}", LEFT - 10, down(n) + 4, "end")
+             for n in range(0, int(MOST) + 1, 100)]
+    for power in range(round(math.log10(SMALLEST)), round(math.log10(LARGEST)) + 1):
+        at, name = across(10.0 ** power), {3: "1,000", 6: "1 million", 7: "10 million"}.get(power, f"{10 ** power:,}")
+        parts.append(f'<path class="grid" d="M{at:.1f} {TOP}v{HIGH}"/>' + words(name, at, TOP + HIGH + 20))
+    parts.append(words("triangles", LEFT + WIDE / 2, TOP + HIGH + 42))
+    parts.append(words("nanoseconds per triangle of a solve with 10 iterations", LEFT - 40, TOP - 20, "start"))
+    return "".join(parts)
+
+
+def chart(rows: dict[int, list[tuple[float, float]]]) -> str:
+    parts = [axes()]
+    for threads, sizes in rows.items():
+        places = [(across(triangles), down(1e6 * ms / triangles)) for triangles, ms in sizes]
+        color, line = f"--k{threads}", " ".join(f"{x:.1f},{y:.1f}" for x, y in places)
+        parts.append(f'<polyline style="stroke:var({color})" points="{line}"/>')
+        parts += [f'<circle cx="{x:.1f}" cy="{y:.1f}" r="3.4" style="fill:var({color})"/>' for x, y in places]
+        x, y = places[-1]
+        parts.append(words(f"{threads} thread{'s' * (threads > 1)}", x + 8, y + 4, "start", color))
+    wide, high = LEFT + WIDE + 50, TOP + HIGH + 58
+    return (f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {wide} {high}" width="{wide}" height="{high}" '
+            'role="img"><!-- SPDX-License-Identifier: GPL-3.0-or-later; made by make_cost.py -->'
+            f'<title>Cost of a solve by its size</title><style>{STYLE}</style>'
+            f'<rect width="100%" height="100%" fill="var(--back)"/>{"".join(parts)}</svg>\n')
+
+
+if __name__ == "__main__":
+    ROWS = measured(sys.argv[1])
+    for THREADS, SIZES in ROWS.items():
+        print(f"| {THREADS} | " + " | ".join(f"{ms:.3g}" for _, ms in SIZES) + " |")
+    Path(__file__).with_name("cost.svg").write_text(chart(ROWS), encoding="utf-8")
