@@ -23,8 +23,8 @@ SparseRows compose(const SparseRows& outer, const SparseRows& inner) {
 
     SparseRows product;
     product.start.reserve(outer.start.size());
-    // One dense accumulator for all rows; `touched` says which of it is in use.
-    // Sums are in double so that long chains of compositions do not drift.
+    // One dense accumulator for all rows. `touched` lists its entries in use. Sums are in double precision,
+    // so that rounding errors do not grow in long chains of compositions.
     std::vector<double> sum(columns, 0.0);
     std::vector<char> seen(columns, 0);
     std::vector<Index> touched;

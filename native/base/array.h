@@ -40,8 +40,8 @@ struct SparseRows {
 // Row r: column r with weight 1.
 SparseRows identity_rows(Index count);
 
-// out[r] = sum of weight x values[index] over row r. values is indexed by
-// column and must cover every column. Cost: one multiply-add an entry.
+// out[r] = sum of weight * values[index] over row r. values is indexed by column and must cover every column.
+// Cost: one multiply-add per entry.
 template <typename T>
 void apply(const SparseRows& rows, std::span<const T> values, std::span<T> out) {
     for (Index r = 0; r < rows.rows(); ++r) {
@@ -53,8 +53,8 @@ void apply(const SparseRows& rows, std::span<const T> values, std::span<T> out) 
     }
 }
 
-// The product outer x inner: first inner, then outer. Entries of one column
-// are summed; exact zeros are dropped. Columns of a row are sorted.
+// The matrix product outer * inner: it applies first inner, then outer. Entries of one column are added up,
+// and exact zeros are dropped. The columns of a row are ascending.
 SparseRows compose(const SparseRows& outer, const SparseRows& inner);
 
 }  // namespace rumple

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Each function: the argument is brought into a small range, where a few terms of the Taylor series do.
+// Every function first reduces its argument to a small range, in which a few terms of the Taylor series
+// suffice.
 #include "base/elementary.h"
 
 #include <array>
@@ -39,7 +40,7 @@ constexpr auto kExponential = coefficients<14>([](int k) { return 1.0 / factoria
 constexpr auto kArcTangent = coefficients<12>([](int k) { return sign(k) / (2 * k + 1); });
 constexpr auto kLogarithm = coefficients<11>([](int k) { return 1.0 / (2 * k + 1); });
 
-// x less n quarter turns, within an eighth of a turn. pi / 2 is the sum of three numbers; the first two have
+// x minus n quarter turns, within an eighth of a turn. pi / 2 is the sum of three numbers. The first two have
 // 33 bits, so their products with n are exact.
 struct Reduced {
     double angle;
@@ -69,7 +70,7 @@ double arc_tangent(double x) {
     return 4.0 * x * series(kArcTangent, x * x);
 }
 
-// ln 2 is the sum of both; the first has 33 bits.
+// ln 2 is the sum of the two. The first has 33 bits.
 constexpr double kLn2First = 0x1.62e42fee00000p-1, kLn2Second = 0x1.a39ef35793c76p-33;
 
 }  // namespace
@@ -98,7 +99,7 @@ double atan2(double y, double x) {
 }
 
 double exp(double x) {
-    if (!(std::abs(x) < 800.0)) return x < 0.0 ? 0.0 : x * HUGE_VAL;  // far out of range, or not a number
+    if (!(std::abs(x) < 800.0)) return x < 0.0 ? 0.0 : x * HUGE_VAL;  // far out of range, or NaN
     const double n = std::floor(x * std::numbers::log2e + 0.5);
     return std::ldexp(series(kExponential, (x - n * kLn2First) - n * kLn2Second), int(n));
 }

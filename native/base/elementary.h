@@ -1,24 +1,24 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Sine, exponential and the like, the same bits on every system. Those of <cmath> differ from system to
-// system in their last bit; what is computed here takes nothing but + - * / and square roots, which IEEE 754
-// fixes. Of <cmath> only what is exact everywhere is used in results: floor, ceil, round, lround, fmod,
-// ldexp, frexp, nextafter, copysign, abs and sqrt.
+// Sine, exponential and similar functions with the same bits on every system. The last bit of the functions
+// in <cmath> differs between systems. The functions here use only + - * / and square roots, whose results
+// IEEE 754 defines. Results use only those functions of <cmath> that are exact everywhere: floor, ceil,
+// round, lround, fmod, ldexp, frexp, nextafter, copysign, abs and sqrt.
 //
 // Errors, in units of the last place: sin, cos, exp, log 2, atan2 5, pow 3 (1 + |y log x|). The float
-// functions round the double result: hardly ever is it not the float nearest to the true value.
+// functions round the double result, so they nearly always return the float nearest to the true value.
 #pragma once
 
 namespace rumple::elementary {
 
-// Radians, finite. Beyond 2^20 the angle counts modulo the double nearest to 2 pi.
+// Radians, finite. Beyond 2^20 the angle is reduced modulo the double nearest to 2 pi.
 double sin(double x);
 double cos(double x);
-// -pi..pi. x and y finite; 0 or pi where both are zero, as std::atan2.
+// -pi..pi. x and y finite. If both are zero: 0 or pi, like std::atan2.
 double atan2(double y, double x);
 double exp(double x);
 double log(double x);            // x > 0, finite
 double pow(double x, double y);  // x > 0, finite
-// The length of (x, y); no care is taken of overflow.
+// The length of (x, y). It may overflow.
 double hypot(double x, double y);
 
 inline float sin(float x) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What public functions throw where their arguments are wrong. What is inside asserts.
+// The exceptions that public functions throw for wrong arguments. Internal functions use assertions.
 #pragma once
 
 #include <stdexcept>
@@ -7,15 +7,14 @@
 
 namespace rumple {
 
-// An argument that breaks its promise (shape, range, not finite). The message
-// names the argument, what was expected, what came, and the first bad index.
-// Python sees ValueError.
+// An argument that breaks its contract (shape, range, not finite). The message names the argument, the
+// expected and the actual value, and the first bad index. Python receives ValueError.
 struct InvalidInput : std::invalid_argument {
     using std::invalid_argument::invalid_argument;
 };
 
-// A mesh that no surface can be built from. The message names the first bad
-// element. Python sees ValueError.
+// A mesh from which no surface can be built. The message names the first bad element. Python receives
+// ValueError.
 struct TopologyError : std::invalid_argument {
     using std::invalid_argument::invalid_argument;
 };

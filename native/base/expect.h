@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Checks of arguments. Each throws InvalidInput that names the argument.
+// Checks of arguments. Each throws InvalidInput with the name of the argument.
 #pragma once
 
 #include <cmath>
@@ -11,21 +11,21 @@
 
 namespace rumple {
 
-// Six digits: "0.5", "1e+06".
+// With six digits: "0.5", "1e+06".
 inline std::string short_text(double value) {
     char text[32];
     std::snprintf(text, sizeof text, "%g", value);
     return text;
 }
 
-// Within [low, high]; not a number never is.
+// Checks that a value is within [low, high]. NaN never is.
 inline void expect_within(const std::string& name, double value, double low, double high) {
     if (value >= low && value <= high) return;
     throw InvalidInput(name + ": expected " + short_text(low) + " to " + short_text(high) + ", got " +
                        short_text(value));
 }
 
-// The same of every value; element: what the values are of.
+// The same for every value. element: what each value belongs to, e.g. "vertex".
 inline void expect_each_within(const std::string& name, std::span<const float> values, double low,
                                double high, const char* element) {
     for (size_t i = 0; i < values.size(); ++i) {
@@ -34,14 +34,14 @@ inline void expect_each_within(const std::string& name, std::span<const float> v
     }
 }
 
-// Above low, and at most high.
+// Checks that a value is above low and at most high.
 inline void expect_above(const std::string& name, double value, double low, double high) {
     if (value > low && value <= high) return;
     throw InvalidInput(name + ": expected a value above " + short_text(low) + " to " + short_text(high) +
                        ", got " + short_text(value));
 }
 
-// what: of what there are so many, e.g. "vertices".
+// what: the things that are counted, e.g. "vertices".
 inline void expect_count(const std::string& name, size_t count, size_t expected, const char* what) {
     if (count == expected) return;
     throw InvalidInput(name + ": expected " + std::to_string(expected) + " " + what + ", got " +
@@ -58,7 +58,7 @@ inline bool is_finite(const Vec3& v) {
     return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
 }
 
-// element: what a value belongs to, e.g. "vertex".
+// element: what each value belongs to, e.g. "vertex".
 template <typename T>
 void expect_finite(const std::string& name, std::span<const T> values, const char* element) {
     for (size_t i = 0; i < values.size(); ++i) {

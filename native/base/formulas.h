@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Compiles the formulas of shaders/shared as C++, through GLM: one text for the
-// kernels here and for GLSL. Such a file may use float, int, bool, vec2, vec3,
-// vec4, mat2, structs and GLSL's functions; it writes 0.5f, no swizzles, and returns
-// structs rather than fill `out` parameters. FORMULA stands before every function.
+// Compiles the formulas of shaders/shared as C++ with GLM, so that the kernels here and GLSL share one text.
+// Such a file may use float, int, bool, vec2, vec3, vec4, mat2, structs and GLSL's functions. It writes 0.5f,
+// uses no swizzles, and returns structs instead of using `out` parameters. FORMULA stands before every
+// function.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -14,7 +14,7 @@
 namespace rumple::formulas {
 
 using namespace glm;
-// Found before those of GLM, which are the system's.
+// Lookup finds these before GLM's functions, which are the system's.
 using elementary::cos;
 using elementary::sin;
 

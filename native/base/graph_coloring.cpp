@@ -10,9 +10,9 @@ namespace rumple {
 std::vector<Index> color_constraints(Index vertex_count, std::span<const Index> pairs_a,
                                      std::span<const Index> pairs_b) {
     assert(pairs_a.size() == pairs_b.size());
-    std::vector<std::vector<Index>> colors_at(vertex_count);  // in use around each vertex
+    std::vector<std::vector<Index>> colors_at(vertex_count);  // colours in use at each vertex
     std::vector<Index> color(pairs_a.size());
-    std::vector<Index> taken_for;  // per colour: the last constraint that may not have it
+    std::vector<Index> taken_for;  // per colour: the last constraint that may not have this colour
     for (std::size_t i = 0; i < color.size(); ++i) {
         stop_if_asked(i);
         const Index self = static_cast<Index>(i);

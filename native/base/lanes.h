@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Four floats at a time: SSE2 and NEON have them, and one source serves both (vectors of GCC and Clang).
-// Every lane is computed as one float would be, so results have the same bits as without.
+// Four floats at a time. SSE2 and NEON support this, and one source serves both (vector types of GCC and
+// Clang). Every lane is computed like a single float, so results have the same bits as without lanes.
 #pragma once
 
 #include <array>
@@ -29,7 +29,7 @@ inline constexpr int kLanes = 4;
 inline Lanes all_lanes(float x) {
     return Lanes{x, x, x, x};
 }
-// Correctly rounded, as IEEE 754 asks for.
+// Correctly rounded, as IEEE 754 requires.
 inline float square_root(float x) {
     return std::sqrt(x);
 }
@@ -42,7 +42,7 @@ inline Lanes square_root(const Lanes& x) {
     return Lanes{std::sqrt(x[0]), std::sqrt(x[1]), std::sqrt(x[2]), std::sqrt(x[3])};
 #endif
 }
-// Bit k: lane k is true.
+// Bit k is set if lane k is true.
 inline unsigned bits_of(const LaneMask& mask) {
 #if defined(__SSE2__)
     return static_cast<unsigned>(_mm_movemask_ps((__m128)mask));
@@ -51,12 +51,12 @@ inline unsigned bits_of(const LaneMask& mask) {
     return static_cast<unsigned>(bit[0] | bit[1] | bit[2] | bit[3]);
 #endif
 }
-// act(lane) for every true lane, in their order.
+// Calls act(lane) for every true lane, in ascending order.
 template <typename Act>
 void for_each_true(const LaneMask& mask, Act&& act) {
     for (unsigned left = bits_of(mask); left != 0; left &= left - 1) act(std::countr_zero(left));
 }
-// The first ones of memory, and zeros where there are fewer than kLanes.
+// Loads the first `count` floats, and zeros for the other lanes.
 inline Lanes load_lanes(const float* from, size_t count = kLanes) {
     Lanes out{};
     std::memcpy(&out, from, count * sizeof(float));
@@ -65,7 +65,7 @@ inline Lanes load_lanes(const float* from, size_t count = kLanes) {
 inline void store_lanes(const Lanes& lanes, float* to, size_t count = kLanes) {
     std::memcpy(to, &lanes, count * sizeof(float));
 }
-// act(first, how many) for as many whole fours as there are, and the rest.
+// Calls act(first, count) for every full four, and for the rest.
 template <typename Act>
 void for_each_four(size_t count, Act&& act) {
     size_t first = 0;
@@ -83,7 +83,7 @@ inline Lanes within(const Lanes& x, const Lanes& low, const Lanes& high) {
     return x < low ? low : high < x ? high : x;
 }
 
-// A vector in every lane.
+// Four vectors, one per lane.
 struct Vec3Lanes {
     Lanes x{}, y{}, z{};
 
@@ -124,7 +124,7 @@ inline Vec3 choose(bool condition, const Vec3& a, const Vec3& b) {
     return condition ? a : b;
 }
 
-// For formulas that are written once, for one vector (Real: float) and for four (Lanes).
+// Types for formulas that are written once, for one vector (Real: float) and for four (Lanes).
 template <typename Real>
 using Vec3Of = std::conditional_t<std::is_same_v<Real, float>, Vec3, Vec3Lanes>;
 template <typename Real>
@@ -136,7 +136,7 @@ Real all(float x) {
     }
 }
 
-// A vector as it lies in memory where it is loaded and stored as a whole: x, y, z, and what does not count.
+// A vector in memory that is loaded and stored as a whole: x, y, z, and a fourth number without meaning.
 struct Row {
     Lanes xyz{};
 
@@ -154,7 +154,7 @@ inline float dot(const Row& a, const Row& b) {
     return product[0] + product[1] + product[2];
 }
 
-// So many, and as many more as it takes to make the last four whole.
+// Rounds a count up to a multiple of four.
 inline size_t in_fours(size_t count) {
     return (count + kLanes - 1) / kLanes * kLanes;
 }
@@ -165,7 +165,7 @@ inline std::vector<Row> to_rows(std::span<const Vec3> vectors) {
     rows.resize(in_fours(vectors.size()));
     return rows;
 }
-// Those from a multiple of kLanes on.
+// The four rows from index `first` on, a multiple of kLanes.
 inline std::span<Row, kLanes> four_from(std::span<Row> rows, size_t first) {
     return std::span<Row, kLanes>(&rows[first], kLanes);
 }
@@ -188,7 +188,7 @@ inline void store_rows(const Vec3Lanes& v, std::span<Row, kLanes> rows) {
     rows[3].xyz = __builtin_shufflevector(cd, v.z, 2, 3, 7, 7);
 }
 
-// Row r of apply(): base/solve_team.h.
+// Row r of apply() in base/solve_team.h.
 inline Lanes weighted_sum(const SparseRows& rows, Index r, std::span<const Row> values) {
     Lanes sum{};
     for (Index k = rows.start[r]; k < rows.start[r + 1]; ++k)

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A team of threads. Which thread does what never changes the result: work of one step touches no common
-// data.
+// A team of threads. The assignment of work to threads never changes the result, because parallel work of one
+// step shares no data that is written.
 #pragma once
 
 #include <algorithm>
@@ -20,10 +20,11 @@
 
 namespace rumple {
 
-// Waits a moment for a condition, leaving the processor to others who want it; says whether it came true.
+// Waits a short time for a condition, and yields the processor to other threads meanwhile. Returns whether
+// the condition is true.
 template <typename Condition>
 bool soon(const Condition& condition) {
-    constexpr int kYields = 200;  // 50 to 100 microseconds: a thread that sleeps takes as long to wake up
+    constexpr int kYields = 200;  // 50 to 100 microseconds: waking a sleeping thread takes as long
     for (int i = 0; i < kYields; ++i) {
         if (condition()) return true;
         std::this_thread::yield();
@@ -31,16 +32,16 @@ bool soon(const Condition& condition) {
     return condition();
 }
 
-// Where threads meet. Not std::barrier, nor std::latch: those of MinGW lose the call that wakes a thread, so
-// that three threads and more wait for ever.
+// A barrier for threads. It is not std::barrier or std::latch, because in MinGW these lose the notification
+// that wakes a thread, so that three or more threads wait for ever.
 class Barrier {
   public:
     explicit Barrier(int members = 1) : members_(members) {}
 
-    // Before anyone meets.
+    // Call it while no thread waits.
     void set_members(int members) { members_ = members; }
 
-    // Everyone waits here for everyone.
+    // Waits until all members have called it.
     void meet() {
         const unsigned round = round_.load(std::memory_order_acquire);
         if (arrived_.fetch_add(1, std::memory_order_acq_rel) + 1 == members_) {
@@ -66,9 +67,9 @@ class Barrier {
     std::condition_variable changed_;
 };
 
-// Stands by from its first work until it goes, so that a solve of many short steps starts threads once. Where
-// the system gives fewer threads than were asked for (a limit of a container, of memory), those that there
-// are do the work of all.
+// Its threads start at the first work and live as long as the team, so that a solve of many short steps
+// starts threads only once. If the system gives fewer threads than asked for (a limit of a container, or of
+// memory), the existing ones do all of the work.
 class Team {
   public:
     explicit Team(int threads) : threads_(std::max(threads, 1)) {}
@@ -81,10 +82,10 @@ class Team {
         for (std::thread& thread : others_) thread.join();
     }
 
-    // Below 2, and while it works, there is no one to share with.
+    // Below 2 no work can be shared. This is also so while the team works.
     int threads() const { return working_ ? 1 : threads_; }
 
-    // Calls work(member) on every member and returns when all are done; work may use barrier(). It must not
+    // Calls work(member) on every member and returns when all have ended. work may use barrier(). It must not
     // throw.
     template <typename Work>
     void run(const Work& work) {
@@ -96,9 +97,9 @@ class Team {
         working_ = false;
     }
 
-    // Calls work(0) here and work(member) on those that come before it is done: work shares itself out, so
-    // that nothing is left for who is late, or waits for a processor. What one of them throws (there is no
-    // memory) is thrown here when all have ended.
+    // Calls work(0) here, and work(member) on the members that start before work(0) has ended. work
+    // distributes its items itself, so nothing is left for a member that is late or waits for a processor. An
+    // exception of a member (out of memory) is thrown here when all have ended.
     template <typename Work>
     void share(const Work& work) {
         working_ = true;
@@ -123,11 +124,11 @@ class Team {
         if (failed) std::rethrow_exception(failed);
     }
 
-    // Whether waiting for the others takes so long that one does better without them: something else keeps
-    // the processors busy.
+    // Whether waiting for the others takes so long that one thread is faster, because other programs keep the
+    // processors busy.
     bool is_crowded() const { return waited_ > std::chrono::milliseconds(1) && 2 * waited_ > worked_; }
 
-    // Everyone waits here for everyone. Inside of run().
+    // Waits until all members have called it. Only inside of run().
     void barrier() {
         if (threads_ > 1) barrier_.meet();
     }
@@ -147,7 +148,7 @@ class Team {
     using Clock = std::chrono::steady_clock;
     using Task = std::function<void(int member)>;
 
-    // As many as can be started; they are numbered from 1.
+    // Starts as many threads as possible. They are numbered from 1.
     void start() {
         if (threads_ < 2 || !others_.empty()) return;
         try {
@@ -160,7 +161,7 @@ class Team {
         barrier_.set_members(threads_);
     }
 
-    // Gives the others a task; one that is empty ends them. for_all: each of them takes part in it.
+    // Gives the other members a task. An empty task ends them. for_all: every member takes part.
     void begin(Task task, bool for_all) {
         {
             const std::lock_guard lock(mutex_);
@@ -172,7 +173,7 @@ class Team {
         changed_.notify_all();
     }
 
-    // Nobody begins the task any more, and those that did have ended it.
+    // After it no member begins the task, and the members that began it have ended.
     void end() {
         {
             const std::lock_guard lock(mutex_);
@@ -193,7 +194,7 @@ class Team {
             changed_.wait(lock, is_next);
             seen = round_.load(std::memory_order_relaxed);
             if (!open_) continue;
-            const Task& task = task_;  // stays until this member is out
+            const Task& task = task_;  // valid until this member leaves
             const bool for_all = for_all_;
             inside_.fetch_add(1, std::memory_order_relaxed);
             lock.unlock();
@@ -211,10 +212,10 @@ class Team {
 
     int threads_;
     bool working_ = false;
-    Clock::duration worked_{}, waited_{};  // in share()
+    Clock::duration worked_{}, waited_{};  // total times in share()
     std::vector<std::thread> others_;      // not std::jthread, which Apple's standard library does not have
     Barrier barrier_;
-    std::mutex mutex_;  // of what follows
+    std::mutex mutex_;  // protects the members below
     std::condition_variable changed_;
     Task task_;
     bool for_all_ = false;
@@ -223,8 +224,8 @@ class Team {
     std::atomic<int> inside_ = 0;
 };
 
-// Does both, the second in a thread of its own where the system gives one. What one of them throws is thrown
-// here when both have ended; if both do, that of the first.
+// Runs both, the second in its own thread if the system gives one. An exception is thrown here when both have
+// ended. If both throw, it is the exception of the first.
 template <typename First, typename Second>
 void in_parallel(const First& first, const Second& second) {
     std::exception_ptr failed_first, failed_second;
@@ -250,8 +251,8 @@ void in_parallel(const First& first, const Second& second) {
         if (failed) std::rethrow_exception(failed);
 }
 
-// Threads for so many items: what was asked for, or (0) one below `least_items`, else those of this machine,
-// at most `most`.
+// The number of threads for a number of items: `asked` if it is above 0; else 1 below `least_items`; else the
+// number of this machine's threads, at most `most`.
 inline int choose_threads(int asked, size_t items, size_t least_items, int most) {
     if (asked > 0) return asked;
     if (items < least_items) return 1;

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Numbers that look random and depend on nothing but their arguments.
+// Pseudo-random numbers that depend only on their arguments.
 #pragma once
 
 #include <cstdint>
 
 namespace rumple {
 
-// Every bit of the result depends on all bits of x. Source: the two-round hash of least bias from C. Wellons'
-// hash prospector (public domain).
+// Every bit of the result depends on all bits of x. Source: the two-round hash with the least bias from C.
+// Wellons' hash prospector (public domain).
 inline std::uint32_t mixed_bits(std::uint32_t x) {
     x = (x ^ (x >> 16)) * 0x21F0AAADu;
     x = (x ^ (x >> 15)) * 0x735A2D97u;

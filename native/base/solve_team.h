@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What a solve shares out among threads: its team, and loops over items that are computed each by itself.
+// The team of threads of a solve, and loops over items that are computed independently.
 #pragma once
 
 #include <algorithm>
@@ -12,15 +12,15 @@
 
 namespace rumple {
 
-// That a size asks for: more wait for one another, and for memory.
+// Largest number of threads that is chosen by size. More threads would wait for one another, and for memory.
 inline constexpr int kMostThreads = 8;
 
-// The team of a solve. While it lives, for_each_part() shares out what the thread that made it does, however
-// deep in calls.
+// The team of a solve. During its lifetime, for_each_part() shares out the loops of the thread that made it,
+// at any depth of calls.
 class SolveTeam {
   public:
-    // asked: how many threads; 0: one below `least_items`, else those of this machine, at most kMostThreads.
-    // Inside of another one it is that one.
+    // asked: the number of threads. 0: one thread below `least_items`, else the number of this machine's
+    // threads, at most kMostThreads. Inside of another SolveTeam it uses that one's team.
     SolveTeam(int asked, size_t items, size_t least_items) {
         if (current_) return;
         team_.emplace(choose_threads(asked, items, least_items, kMostThreads));
@@ -33,8 +33,8 @@ class SolveTeam {
         if (team_) current_ = nullptr;
     }
 
-    // Of this thread, where sharing so many items is worth it (where a number was asked for it always is), or
-    // none.
+    // The team of this thread if sharing this number of items is worth it, else none. It is always worth it
+    // if a number of threads was asked for.
     static Team* for_items(size_t items, size_t least_items) {
         if (!current_ || current_->team_->threads() < 2) return nullptr;
         Team& team = *current_->team_;
@@ -44,17 +44,18 @@ class SolveTeam {
   private:
     static inline thread_local SolveTeam* current_ = nullptr;
 
-    std::optional<Team> team_;  // none inside of another one
+    std::optional<Team> team_;  // none inside of another SolveTeam
     bool asked_ = false;
 };
 
-// So many items are worth sharing out: steps of some nanoseconds, and searches of about a microsecond.
+// Least numbers of items that are worth sharing: steps of some nanoseconds, and searches of about a
+// microsecond.
 inline constexpr size_t kLeastSteps = 2'000;
 inline constexpr size_t kLeastSearches = 200;
 
-// work(begin, end) for parts of [0, count) that begin at multiples of `step`: one part, or several where
-// there are least_items and this thread has a team. Every item is computed by itself, so that the number of
-// threads changes no bit. What work throws is thrown here.
+// Calls work(begin, end) for parts of [0, count) that begin at multiples of `step`. There is one part, or
+// several if there are at least least_items items and this thread has a team. Every item is computed
+// independently, so the number of threads changes no bit. An exception of work is thrown here.
 template <size_t step = kLanes, typename Work>
 void for_each_part(size_t count, size_t least_items, Work&& work) {
     Team* const team = SolveTeam::for_items(count, least_items);
@@ -62,10 +63,10 @@ void for_each_part(size_t count, size_t least_items, Work&& work) {
         if (count > 0) work(size_t(0), count);
         return;
     }
-    // Every member has the same stretch in every loop, which its processor still holds from the loop before;
-    // what it has not begun is taken by those that have ended theirs.
+    // Every member has the same range in every loop, so its processor still has the data of the loop before
+    // in its cache. Members that have finished their range take parts that others have not begun.
     constexpr size_t kPartsOfMember = 8;
-    struct alignas(64) Left {  // a line of the cache
+    struct alignas(64) Left {  // one cache line
         std::atomic<size_t> next;
         size_t end;
     };
@@ -87,7 +88,7 @@ void for_each_part(size_t count, size_t least_items, Work&& work) {
     });
 }
 
-// work(i) for every i below count, as for_each_part() shares it out.
+// Calls work(i) for every i below count, shared out like for_each_part().
 template <typename Work>
 void for_each_index(size_t count, size_t least_items, Work&& work) {
     for_each_part(count, least_items, [&](size_t begin, size_t end) {
@@ -95,7 +96,7 @@ void for_each_index(size_t count, size_t least_items, Work&& work) {
     });
 }
 
-// The same of few items that each take long.
+// The same for a few items that each take long.
 template <typename Work>
 void for_each_block(size_t count, size_t least_items, Work&& work) {
     for_each_part<1>(count, least_items, [&](size_t begin, size_t end) {
@@ -103,7 +104,7 @@ void for_each_block(size_t count, size_t least_items, Work&& work) {
     });
 }
 
-// for_each_four() of lanes.h, as for_each_part() shares it out.
+// for_each_four() of lanes.h, shared out like for_each_part().
 template <typename Act>
 void for_each_four_shared(size_t count, Act&& act) {
     for_each_part(count, kLeastSteps, [&](size_t begin, size_t end) {
@@ -111,7 +112,7 @@ void for_each_four_shared(size_t count, Act&& act) {
     });
 }
 
-// out[r] = sum of weight x values[index] over row r. values: of to_rows().
+// out[r] = sum of weight * values[index] over row r. values: from to_rows().
 inline void apply(const SparseRows& rows, std::span<const Row> values, std::span<Vec3> out) {
     for_each_index(out.size(), kLeastSteps,
                    [&](size_t r) { out[r] = Row(weighted_sum(rows, static_cast<Index>(r), values)).vec(); });

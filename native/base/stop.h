@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Making a model takes seconds where it is large. A thread that makes one looks now and then whether anybody
-// still wants it.
+// Building a large model takes seconds. The building thread checks at intervals whether the result is still
+// wanted.
 #pragma once
 
 #include <atomic>
@@ -13,15 +13,16 @@ struct Stopped : std::exception {
     const char* what() const noexcept override { return "it was stopped"; }
 };
 
-// What this thread looks at; nullptr: nothing. The threads that it starts by in_parallel() look at the same.
+// The flag that this thread checks; nullptr: none. The threads that it starts by in_parallel() check the same
+// flag.
 inline thread_local const std::atomic<bool>* watched_stop = nullptr;
 
-// Throws Stopped where what is watched says so. Nanoseconds.
+// Throws Stopped if the flag is set. Takes nanoseconds.
 inline void stop_if_asked() {
     if (watched_stop && watched_stop->load(std::memory_order_relaxed)) throw Stopped();
 }
 
-// ... in a loop, of which this is the number of a round.
+// The same in a loop. round: the number of the iteration.
 inline void stop_if_asked(std::size_t round) {
     if (round % 4096 == 0) stop_if_asked();
 }
