@@ -14,21 +14,23 @@
 namespace rumple {
 namespace {
 
-// Cosine: cloth lies on the side of a body that faces the same way.
+// Cosine: least value between the normals of the cloth and of the side of a body that the cloth lies on.
 constexpr float kFacing = 0.1f;
 
-// Cosine between the way to the body and its normal: from beside it to above it.
+// Cosine between the direction to the body and its normal: the body is beside the point up to kBeside, and
+// below it from kAbove on.
 constexpr float kBeside = 0.6f;
 constexpr float kAbove = 0.85f;
 
-// Cloth at rest may be so far behind the plane of a triangle that is under it: shares of their distance, for
-// bodies are round, and of that within which they are worn, for cloth may be modelled in them.
+// How far cloth at rest may be behind the plane of a triangle that is under it. The first is a share of their
+// distance, because bodies are round. The second is a share of worn_within, because cloth may be modelled
+// partly inside a body.
 constexpr float kBehind = 0.25f, kDeep = 0.125f;
 
-// Fewer of a body are in their boxes in a tenth of a millisecond, on one thread.
+// The boxes of a body with fewer triangles are computed in a tenth of a millisecond on one thread.
 constexpr size_t kTrianglesForTeam = 5'000;
 
-// Share of a triangle: a closest point this near to an edge lies on it.
+// Barycentric weight: a closest point lies on an edge if the weight of the opposite corner is smaller.
 constexpr float kOnEdge = 1e-4f;
 
 std::vector<Row> checked(const Collider& collider, std::span<const Vec3> positions) {
@@ -92,7 +94,7 @@ void Collider::mark_borders() {
     }
 }
 
-// What is not finite is under any cloth.
+// A triangle whose position at rest is not finite may be under any cloth.
 bool Collider::may_be_under(Index triangle, const Vec3& worn_at) const {
     if (rest_centre_.empty()) return true;
     const Vec3 apart = worn_at - rest_centre_[triangle];
@@ -147,8 +149,8 @@ Vec3 PosedCollider::normal_of(const Best& best) const {
     return unit_or_zero(mixed(best.weights, normal[t[0]].vec(), normal[t[1]].vec(), normal[t[2]].vec()));
 }
 
-// Takes what is nearer than the best, among equals the lowest triangle: so the order of looking does not
-// count. counts(packet): which of its triangles do.
+// Takes the nearest triangle, and the lowest one of equally near triangles, so that the order of the search
+// does not matter. counts(packet): which of its triangles are allowed.
 template <typename Counts>
 void PosedCollider::look_at(const PosedPackets::Packet& packet, const PacketHierarchy::Triangles& triangles,
                             const Vec3& p, const Counts& counts, Best& best, const Vec3* worn_at) const {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Surfaces that cloth stays outside of: characters, props, other garments.
+// Surfaces that cloth must stay outside of: characters, props, other garments.
 #pragma once
 
 #include <array>
@@ -14,10 +14,11 @@ namespace rumple {
 // The triangles of all bodies and a bounding volume hierarchy over them. Built once, then immutable.
 class Collider {
   public:
-    // positions: (any pose), object units. triangles: counter-clockwise seen from outside.
-    // rest: of the same vertices, where the cloth is modelled on them, or empty: it tells what may be under a
-    // place of the cloth. Where it is not finite it is under any.
-    // Throws InvalidInput: no triangle, an index out of range, a position that is not finite.
+    // positions: in any pose, object units. triangles: counter-clockwise if seen from outside.
+    // rest: the positions of the same vertices when the cloth was modelled on them, or empty. It decides
+    // which triangles may be under a place of the cloth. A triangle whose position is not finite may be under
+    // any place.
+    // Throws InvalidInput if there is no triangle, an index is out of range, or a position is not finite.
     // Cost: O(n log^2 n).
     Collider(std::span<const Vec3> positions, std::span<const std::array<Index, 3>> triangles,
              std::span<const Vec3> rest = {}, float worn_within = 0.0f);
@@ -25,11 +26,11 @@ class Collider {
     Index vertex_count() const { return vertex_count_; }
     Index triangle_count() const { return static_cast<Index>(triangles_.size()); }
 
-    // Whether a triangle may be under cloth that is there at rest: where its middle is not farther than
-    // `worn_within`, and its outer side does not face away from the cloth. The far side of an arm beside a
-    // shirt does.
+    // Whether a triangle may be under cloth that has this position at rest. The triangle's middle must not be
+    // farther than `worn_within`, and its outer side must not face away from the cloth. The far side of an
+    // arm beside a shirt faces away.
     bool may_be_under(Index triangle, const Vec3& worn_at) const;
-    // Middle of a triangle at rest; nullptr where no rest is known.
+    // The middle of a triangle at rest; nullptr if the positions at rest are unknown.
     const Vec3* rest_of(Index triangle) const {
         return rest_centre_.empty() ? nullptr : &rest_centre_[triangle];
     }
@@ -43,9 +44,10 @@ class Collider {
     Index vertex_count_ = 0;
     std::vector<std::array<Index, 3>> triangles_;
     CornersOfVertices corners_;
-    std::vector<std::uint8_t> border_edges_;  // per triangle: bit k, the edge from corner k is a border
+    std::vector<std::uint8_t>
+        border_edges_;  // per triangle: bit k is set if the edge from corner k is a border
     std::vector<std::uint8_t> border_vertex_;
-    std::vector<Index> part_;    // per triangle: the connected part of the bodies that it is of
+    std::vector<Index> part_;    // per triangle: the connected part of the bodies that it belongs to
     PacketHierarchy hierarchy_;  // of the triangles
     std::vector<Vec3> rest_centre_, rest_normal_;  // per triangle, or empty; unit or zero
     float worn_within_ = 0.0f;
@@ -55,14 +57,14 @@ class Collider {
 struct BodyContact {
     Index triangle = kNone;  // kNone: none within reach
     Vec3 point{0.0f};
-    Vec3 normal{0.0f};      // interpolated, unit; on a border that of the cloth
+    Vec3 normal{0.0f};      // interpolated, unit; on a border the normal of the cloth
     float distance = 0.0f;  // along the normal; negative inside
-    float weight = 0.0f;    // 0..1: how far the body lies below the point, and not beside it
+    float weight = 0.0f;    // 0..1: 1 if the body is below the point, 0 if it is beside it
     float beside = 0.0f;    // distance across the normal, object units
-    bool border = false;    // the body ends there
+    bool border = false;    // whether the body ends there
 };
 
-// The nearest place of a body in front of cloth: an arm beside a flank, a thigh beside the other.
+// The nearest place of a body in front of cloth: an arm beside the trunk, or a thigh beside the other thigh.
 struct BodyAhead {
     Index triangle = kNone;  // kNone: none within reach
     Vec3 point{0.0f};
@@ -72,23 +74,24 @@ struct BodyAhead {
 // A collider in the pose of one frame.
 class PosedCollider {
   public:
-    // The collider must outlive it, the positions need not. Throws InvalidInput: another number of positions,
-    // one that is not finite. Cost: O(triangles), about 10 ns each.
+    // The collider must outlive it, but the positions need not. Throws InvalidInput if the number of
+    // positions is wrong, or if one is not finite. Cost: O(triangles), about 10 ns each.
     PosedCollider(const Collider& collider, std::span<const Vec3> positions);
 
-    // Whether these are its positions, to the bit.
+    // Whether these positions are exactly the positions of this pose.
     bool is_at(std::span<const Vec3> positions) const;
 
-    // The nearest point of the body that faces the same way as the cloth (normal: unit, of the cloth). Bodies
-    // are mostly deleted under clothes: on the border of such a hole the body has no side of its own, so the
-    // cloth's counts. reach: object units, finite, its square too. hint: a triangle that is likely near, or
-    // kNone; it makes it faster and changes nothing else. worn_at: where the cloth is at rest; nullptr: any
-    // triangle may be under it. An arm that was animated into the flank of a shirt is not.
+    // The nearest point of the body that faces the same way as the cloth (normal: of the cloth, unit). Bodies
+    // are often deleted under clothes. On the border of such a hole the cloth's normal is used, because the
+    // body has no side there. reach: object units, finite, and its square too. hint: a triangle that is
+    // probably near, or kNone; it only makes the search faster. worn_at: position of the cloth at rest; with
+    // nullptr any triangle may be under it. It prevents that an arm that the animation moves into the side of
+    // a shirt counts as a body under the shirt.
     BodyContact closest(const Vec3& p, const Vec3& normal, float reach, Index hint,
                         const Vec3* worn_at = nullptr) const;
 
-    // The same of what may be under cloth that is at `worn_at` at rest and is known to lie on a triangle.
-    // Where that one is far from it at rest the cloth hangs free: of what is near that one.
+    // The same for cloth that is at `worn_at` at rest and is known to lie on a triangle. If this triangle is
+    // far from the cloth at rest, the cloth hangs free, and the triangle's position at rest replaces worn_at.
     BodyContact closest_around(const Vec3& p, const Vec3& normal, float reach, Index triangle,
                                const Vec3& worn_at) const {
         const bool known = triangle >= 0 && triangle < collider_.triangle_count();
@@ -96,11 +99,13 @@ class PosedCollider {
         return closest(p, normal, reach, triangle, is_free ? collider_.rest_of(triangle) : &worn_at);
     }
 
-    // The same of all connected parts of the bodies but that of a triangle: skin inside a waistband.
+    // The same, but without the connected part of the bodies that contains a triangle. For example, it finds
+    // the skin inside a waistband.
     BodyContact closest_of_others(const Vec3& p, const Vec3& normal, float reach, Index triangle) const;
 
-    // The nearest point of the body that faces the cloth, in front of it or at most so far behind. Where the
-    // body ends nothing is found. reach, behind: object units, >= 0. Cost: about 1 us.
+    // The nearest point of the body that faces the cloth and is in front of it, or behind it by at most
+    // `behind`. Nothing is found if that point is on a border of the body. reach, behind: object units, >= 0.
+    // Cost: about 1 us.
     BodyAhead ahead(const Vec3& p, const Vec3& normal, float reach, float behind) const;
 
   private:
@@ -110,7 +115,7 @@ class PosedCollider {
         Vec3 weights{0.0f};
     };
 
-    // Its team's.
+    // The SolveTeam is the team of this construction.
     PosedCollider(const Collider& collider, std::span<const Vec3> positions, const SolveTeam&);
 
     template <typename Counts>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What bodies and cloth share where they touch: boxes and normals of triangles in a pose. Internal to
-// contact.
+// The shared code of contact with bodies and of contact of the cloth with itself: boxes and normals of
+// triangles in a pose. Internal to contact.
 #pragma once
 
 #include <algorithm>
@@ -37,7 +37,7 @@ inline Vec3Lanes unit_or_zero(const Vec3Lanes& v) {
     return choose(length > all_lanes(kShortestEdge * kShortestEdge), unit, {});
 }
 
-// The corners that lie on every vertex, by triangle: corner k of triangle t is 3 t + k. Built once.
+// The corners at every vertex, in the order of triangles. Corner k of triangle t is 3 t + k. Built once.
 struct CornersOfVertices {
     std::vector<Index> start;  // vertices + 1
     std::vector<Index> corner;
@@ -57,12 +57,12 @@ struct CornersOfVertices {
     }
 };
 
-// Unit, or zero where there is no area.
+// Unit normals, or zero without area.
 struct TriangleNormals {
     std::vector<Row> of_face;
-    std::vector<Row> of_vertex;  // weighted by area
+    std::vector<Row> of_vertex;  // mean weighted by area
 
-    // positions: as of to_rows().
+    // positions: from to_rows().
     TriangleNormals(std::span<const Row> positions, std::span<const std::array<Index, 3>> triangles,
                     const CornersOfVertices& corners)
         : of_face(in_fours(triangles.size())), of_vertex(positions.size()) {
@@ -81,7 +81,7 @@ struct TriangleNormals {
     }
 
   private:
-    // rows: as many as make whole fours.
+    // The number of rows is a multiple of four.
     static void make_unit(std::vector<Row>& rows) {
         for_each_four_shared(rows.size(), [&](size_t first, size_t) {
             const std::span<Row, kLanes> four = four_from(rows, first);

@@ -10,7 +10,7 @@
 namespace rumple {
 namespace {
 
-// Per vertex the lowest one of its part; empty where all triangles are in one.
+// Per vertex: the lowest vertex of its part. Empty if there is only one part.
 std::vector<Index> parts_of(size_t vertices, const std::vector<std::array<Index, 3>>& triangles) {
     DisjointSets sets(static_cast<Index>(vertices));
     for (const auto& [a, b, c] : triangles) {
@@ -64,7 +64,7 @@ SelfContactSide PosedSelfContactMesh::nearest(Index vertex, float reach, Index& 
             const Index t = triangles[k];
             const auto& corner = surface_.triangles_[t];
             if (corner[0] == vertex || corner[1] == vertex || corner[2] == vertex) return;
-            // Parts that touch there were cut apart.
+            // Parts that touch at this point were cut apart there, so the triangle is ignored.
             if (closest.squared[k] <= touching && surface_.in_other_parts(vertex, t)) return;
             if (closest.squared[k] == best && (found == kNone || t >= found)) return;
             best = closest.squared[k];
@@ -72,7 +72,7 @@ SelfContactSide PosedSelfContactMesh::nearest(Index vertex, float reach, Index& 
             displacement = closest.way.at(k);
         });
     };
-    // No triangle of a node faces the vertex: so it is with all that lies flat around it.
+    // Leaves out nodes without a triangle that faces the vertex. This is so for all flat cloth around it.
     const PosedPackets::NoneFaces none_faces{normal, kFacingNormals};
     packets_.search(p, best, several ? nullptr : &none_faces, look_at);
     if (found == kNone) return {};
@@ -113,7 +113,7 @@ std::vector<float> PosedSelfContactMesh::heights() const {
             return columns(rows);
         };
         const Vec3Lanes a = corner(0), b = corner(1), c = corner(2);
-        const Vec3Lanes side[3] = {c - b, a - c, b - a};  // opposite of each corner
+        const Vec3Lanes side[3] = {c - b, a - c, b - a};  // opposite each corner
         const Vec3Lanes n = cross(side[0], side[1]);
         const Lanes twice_area = square_root(dot(n, n));
         for (int i = 0; i < 3; ++i) {

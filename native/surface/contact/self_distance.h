@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// How far a cloth is from itself: what bounds the way of its vertices, so that folds do not pass through one
-// another. After Chen and others 2025, Offset Geometric Contact: a vertex moves at most a share of its
-// distance to what it is not adjacent to. docs/wrinkle_mesh.md (Layers) says where we leave them.
+// The distance of a cloth from itself. It bounds the movement of the cloth's vertices, so that folds do not
+// pass through one another. After Chen and others 2025, Offset Geometric Contact: a vertex moves at most by a
+// share of its distance to the nearest element that is not adjacent to it. docs/wrinkle_mesh.md (Layers)
+// lists our differences.
 #pragma once
 
 #include <array>
@@ -17,7 +18,7 @@ namespace rumple {
 // The triangles of a cloth and a bounding volume hierarchy over them. Built once, then immutable.
 class SelfContactMesh {
   public:
-    // positions: at rest, object units; every index of triangles is one of them. May have no triangle.
+    // positions: at rest, object units; every index in `triangles` is one of them. There may be no triangles.
     // Cost: O(n log^2 n).
     SelfContactMesh(std::span<const Vec3> positions, const std::vector<std::array<Index, 3>>& triangles);
 
@@ -31,7 +32,7 @@ class SelfContactMesh {
     std::vector<std::array<Index, 3>> triangles_;
     CornersOfVertices corners_;
     PacketHierarchy hierarchy_;
-    std::vector<Index> part_;  // per vertex the lowest one of its part; empty: there is but one
+    std::vector<Index> part_;  // per vertex: the lowest vertex of its part; empty: there is only one
 };
 
 // The nearest point of the cloth that faces a vertex: on a triangle that it is no corner of, and whose normal
@@ -39,8 +40,8 @@ class SelfContactMesh {
 struct SelfContactSide {
     Vec3 towards{0.0f};  // unit: from the vertex to that point; zero: nothing faces it
     float distance = std::numeric_limits<float>::infinity();  // object units
-    // Whether the point lies on the side that the vertex's normal points to. Where both face the same way
-    // always: then one is worn over the other, and they have not passed each other.
+    // Whether the point lies on the side to which the vertex's normal points. It is always true if both face
+    // the same way, because then one is worn over the other, and they have not passed each other.
     bool outside = false;
 };
 
@@ -51,20 +52,21 @@ class PosedSelfContactMesh {
     // 20 ns each.
     PosedSelfContactMesh(const SelfContactMesh& surface, std::span<const Vec3> positions);
 
-    // Of every vertex what faces it within its reach (object units, >= 0; 0: nothing is looked for), or the
-    // vertex that it faces as a corner of a triangle, whichever is nearer: so both sides of a gap know of it.
-    // Cost: about 0.5 us a vertex with a reach of two edges.
+    // For every vertex, the nearest point that faces it within its reach (object units, >= 0; 0: no search).
+    // If the vertex is a corner of the triangle that faces another vertex, and that other vertex is nearer,
+    // it gets the other vertex instead. So both sides of a gap know of it. Cost: about 0.5 us a vertex with a
+    // reach of two edges.
     std::vector<SelfContactSide> facing(std::span<const float> reach) const;
 
-    // Of every vertex the smallest height of its triangles above their opposite sides, object units; infinity
-    // where it has none. As long as no vertex moves farther than half of it along the surface, none of them
-    // turns over.
+    // For every vertex, the smallest altitude of its triangles above the opposite sides, object units;
+    // infinity without triangles. If no vertex moves along the surface by more than half of its value, no
+    // triangle turns over.
     std::vector<float> heights() const;
 
   private:
-    // Only triangles of other parts do.
+    // Of the triangles that nearest() finds, this is true only for triangles of other parts.
     bool face_the_same_way(Index vertex, Index triangle) const;
-    // The side that faces a vertex, and the triangle that it is on.
+    // The point that faces a vertex, and its triangle.
     SelfContactSide nearest(Index vertex, float reach, Index& triangle) const;
 
     const SelfContactMesh& surface_;

@@ -8,12 +8,12 @@
 namespace rumple {
 namespace {
 
-// Fewer nodes enclose their children before another thread has begun.
+// With fewer nodes the work is done before another thread has started.
 constexpr size_t kLeastNodes = 500;
 
 constexpr float kInfinitelyFar = std::numeric_limits<float>::max();
 
-// The grandchildren of a node of two children; a leaf stands for its own.
+// The grandchildren of a node with two children. A leaf takes the place of its own children.
 std::vector<Index> grandchildren(const Hierarchy& hierarchy, Index node) {
     std::vector<Index> out{node};
     for (int generation = 0; generation < 2; ++generation) {
@@ -35,7 +35,7 @@ PacketHierarchy build_packets(std::span<const Vec3> centres) {
     if (centres.empty()) return out;
     out.packet_of.resize(centres.size());
     const Hierarchy pairs = build_hierarchy(centres);
-    std::vector<Index> node_of{0};  // of pairs, for every node of out
+    std::vector<Index> node_of{0};  // for every node of `out`: its node in the hierarchy of pairs
     for (size_t n = 0, level_end = 0; n < node_of.size(); ++n) {
         if (n == level_end) {
             out.level_start.push_back(static_cast<Index>(n));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The triangles of a surface in packets of four, and a hierarchy of four children a node over them: four
-// boxes, or four triangles, are looked at at a time. Internal to contact.
+// The triangles of a surface in packets of four, and a hierarchy with four children per node over them. Four
+// boxes, or four triangles, are tested at once. Internal to contact.
 #pragma once
 
 #include <algorithm>
@@ -19,54 +19,54 @@
 
 namespace rumple {
 
-// The square of a way that is looked; below infinity, where lanes are that hold no triangle.
+// The square of a search distance. It is below infinity, the distance of lanes without a triangle.
 inline float squared_reach(float reach) {
     return std::min(reach * reach, std::numeric_limits<float>::max());
 }
 
-// Which triangles lie together. Built once at rest, then immutable.
+// The grouping of triangles. Built once at rest, then immutable.
 struct PacketHierarchy {
     static constexpr Index kEmpty = std::numeric_limits<Index>::min();
     struct Node {
         std::array<Index, kLanes> child;  // a node; -1 - packet; or kEmpty
     };
-    using Triangles = std::array<Index, kLanes>;  // of a packet, kNone where it is not full
+    using Triangles = std::array<Index, kLanes>;  // of a packet; kNone in lanes without a triangle
     std::vector<Node> nodes;                      // level by level from the root; none without triangles
     std::vector<Index> level_start;               // levels + 1: the first node of every level
     std::vector<Triangles> packets;
     std::vector<Index> packet_of;  // per triangle
 };
 
-// Triangles by their centres (finite, object units). Cost: O(n log^2 n).
+// Groups triangles by their centres (finite, object units). Cost: O(n log^2 n).
 PacketHierarchy build_packets(std::span<const Vec3> centres);
 
-// In the pose of one frame.
+// The packets in the pose of one frame.
 class PosedPackets {
   public:
     struct Packet {
-        Vec3Lanes a, b, c, normal;  // corners; unit normal, or zero. A lane that is empty is infinitely far
+        Vec3Lanes a, b, c, normal;  // corners; unit normal, or zero. An empty lane is infinitely far
     };
 
-    // normals: of the triangles, unit or zero. Cost: about 10 ns a triangle.
+    // normals: of the triangles, unit or zero. Cost: about 10 ns per triangle.
     PosedPackets(const PacketHierarchy& hierarchy, std::span<const Row> positions,
                  std::span<const std::array<Index, 3>> triangles, std::span<const Row> normals);
 
-    // Whether no triangle of a node's children has a normal whose dot product with a direction is at most
-    // that.
+    // A filter: it leaves out a node if none of its triangles has a normal whose dot product with `direction`
+    // is at most `most`.
     struct NoneFaces {
         Vec3 direction;
         float most;
     };
 
-    // Looks at the packet of a triangle. look_at(packet, its triangles).
+    // Calls look_at(packet, its triangles) for the packet of a triangle.
     template <typename LookAt>
     void look_around(Index triangle, LookAt&& look_at) const {
         const Index packet = hierarchy_.packet_of[triangle];
         look_at(packets_[packet], hierarchy_.packets[packet]);
     }
 
-    // Looks at packets nearer than a squared distance, near ones first. best: of what was found so far;
-    // look_at makes it smaller. none_faces: nodes to leave out, or none. look_at(packet, its triangles).
+    // Calls look_at(packet, its triangles) for packets within a squared distance, near ones first. best: the
+    // best squared distance so far, which look_at decreases. none_faces: filter of nodes, or nullptr.
     template <typename LookAt>
     void search(const Vec3& p, const float& best, const NoneFaces* none_faces, LookAt&& look_at) const;
 
@@ -78,8 +78,8 @@ class PosedPackets {
         Lanes least_along(const Vec3Lanes& direction) const;
     };
     struct alignas(64) Node {
-        Boxes places;    // of the children; an empty one is infinitely far
-        LaneMask child;  // as of PacketHierarchy
+        Boxes places;    // of the children; the box of an empty one is infinitely far
+        LaneMask child;  // as in PacketHierarchy
         Boxes normals;
     };
 
@@ -88,11 +88,11 @@ class PosedPackets {
     std::vector<Node> nodes_;
 };
 
-// The way to the closest points of four triangles.
+// The vectors to the closest points of four triangles.
 struct ClosestOfFour {
     ClosestPoint<Lanes> at;
-    Vec3Lanes way;  // from the point to them
-    Lanes squared;  // its length
+    Vec3Lanes way;  // from the point to the closest points
+    Lanes squared;  // squared lengths
 };
 inline ClosestOfFour closest_of(const PosedPackets::Packet& t, const Vec3Lanes& p) {
     const Vec3Lanes ab = t.b - t.a, ac = t.c - t.a, ap = p - t.a, bp = p - t.b, cp = p - t.c;
@@ -118,8 +118,8 @@ inline Lanes PosedPackets::Boxes::least_along(const Vec3Lanes& direction) const 
            least(direction.z * low.z, direction.z * high.z);
 }
 
-// A child that waits for its turn: the bits of its squared distance (at least 0, so that bits and distances
-// have one order) above those of the child; 0 for none.
+// A waiting child: the bits of its squared distance, followed by the bits of the child; 0 for none. The
+// distance is at least 0, so its bits have the same order as its value.
 using WaitingChild = uint64_t;
 using WaitingChildren = std::array<WaitingChild, kLanes>;
 inline WaitingChildren waiting_children(const Lanes& squared, const LaneMask& child, const LaneMask& open) {
@@ -135,12 +135,13 @@ inline Index child_of(WaitingChild waiting) {
     return static_cast<Index>(static_cast<uint32_t>(waiting));
 }
 
-// Puts the open children on a stack, the nearest last; returns how many. Writes kLanes places, and neither
-// chooses nor sorts by a branch: which of four boxes is near is as good as random, and a wrong guess costs
-// more than the box. No child is the root, so none that waits is 0.
+// Puts the open children on a stack, the nearest last, and returns their number. Writes kLanes entries. It
+// selects and sorts without branches: whether a box is near is practically random, and a mispredicted branch
+// costs more than the box. No child is the root, so no entry of a waiting child is 0.
 inline int push_nearest_last(const Lanes& squared, const LaneMask& child, const LaneMask& open,
                              WaitingChild* top) {
-    constexpr std::array<std::uint8_t, 16> kTrue{0, 1, 1, 2, 1, 2, 2, 3, 1, 2, 2, 3, 2, 3, 3, 4};  // of bits
+    constexpr std::array<std::uint8_t, 16> kTrue{0, 1, 1, 2, 1, 2, 2, 3,
+                                                 1, 2, 2, 3, 2, 3, 3, 4};  // number of bits that are set
     WaitingChildren waiting = waiting_children(squared, child, open);
     const auto larger_first = [&](int i, int j) {
         const WaitingChild a = waiting[i], b = waiting[j];
@@ -159,11 +160,13 @@ inline int push_nearest_last(const Lanes& squared, const LaneMask& child, const 
 template <typename LookAt>
 void PosedPackets::search(const Vec3& p, const float& best, const NoneFaces* none_faces,
                           LookAt&& look_at) const {
-    constexpr int kMostWaiting = 64;  // three siblings a level, and the depth is log4 of the packets
+    constexpr int kMostWaiting =
+        64;  // three siblings per level, and the depth is log4 of the number of packets
     WaitingChild stack[kMostWaiting];
     int top = 0;
-    // Distances are rounded, by the size of p too, and a tie must reach the lowest triangle, whatever is
-    // looked at first: (sqrt(best) + rounding)^2 <= (1 + s) best + (1 + 1 / s) rounding^2.
+    // Distances are rounded, also relative to the size of p. Among equal distances the lowest triangle must
+    // be found in any order of the search: (sqrt(best) + rounding)^2 <= (1 + s) best + (1 + 1 / s)
+    // rounding^2.
     const float rounding = kPlaceRounding * (std::abs(p.x) + std::abs(p.y) + std::abs(p.z));
     const float always = (1.0f + 1.0f / kPacketTieSlack) * rounding * rounding;
     if (!nodes_.empty()) stack[top++] = 0;
@@ -171,7 +174,7 @@ void PosedPackets::search(const Vec3& p, const float& best, const NoneFaces* non
     while (top > 0) {
         const WaitingChild nearest = stack[--top];
         const Index child = child_of(nearest);
-        // Below infinity, where empty children are.
+        // Keeps it below infinity, the distance of empty children.
         const float far =
             std::min((1.0f + kPacketTieSlack) * best + always, std::numeric_limits<float>::max());
         if (squared_of(nearest) > far) continue;
