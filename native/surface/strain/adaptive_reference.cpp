@@ -31,10 +31,10 @@ class PastPoses {
 
     void add(double time, std::span<const Vec3> welded) { poses_.push_back({time, welded}); }
 
-    // The shapes of the triangles `window` before `time`; the oldest where there is none so old.
+    // The shapes of the triangles `window` before `time`; the oldest shapes if no pose is that old.
     Shapes before(double time) const {
         const double then = time - window_;
-        size_t later = 0;  // the first pose that is not before then
+        size_t later = 0;  // the first pose that is not before `then`
         while (later < poses_.size() && poses_[later].time < then) ++later;
         if (window_ <= 0.0 || later == poses_.size()) later = poses_.size() - 1;
         if (window_ <= 0.0 || later == 0 || poses_[later].time <= then)
@@ -90,11 +90,12 @@ Labels label_frame(const Surface& surface, const ReferenceModel& model, const Re
     return labels;
 }
 
-// next: gets the poses that later frames need: those of `state` and this one, less what is too old.
+// next: receives the poses that later frames need. These are the poses of `state` and this one, without those
+// that are too old.
 void remember(const ReferenceSettings& settings, const FlatPose& pose, const ReferenceState* state,
               ReferenceState& next) {
     const size_t vertices = pose.positions.size();
-    size_t first = 0;  // still needed: the newest that is at least a window old, and all after it
+    size_t first = 0;  // the first pose that is still needed: the newest one that is at least a window old
     if (state) {
         const std::vector<double>& times = state->past_times;
         while (first + 1 < times.size() && times[first + 1] <= next.time - settings.window) ++first;
@@ -202,8 +203,9 @@ std::vector<FlatTriangle> update_reference(const ReferenceModel& model, const Re
     std::vector<FlatTriangle> reference = state ? state->reference : from_rest ? model.rest : pose.shapes;
     const float fraction = fraction_in(settings.relaxation, seconds);
     const float growth = fraction_of(seconds, settings.growth_time);
-    const bool at_once = settings.growth_time <= 0.0f;  // as printed
-    // A glitch of one frame is no fold that dissolves: it must have stretched in the frame before, too.
+    const bool at_once = settings.growth_time <= 0.0f;  // as in the thesis
+    // An error in a single frame is not a fold that dissolves. So the triangle must have stretched in the
+    // frame before, too.
     const auto stretches_on = [&](size_t t) {
         return labels[t] == kStretch && (at_once || (state && state->labels[t] == kStretch));
     };
@@ -216,7 +218,7 @@ std::vector<FlatTriangle> update_reference(const ReferenceModel& model, const Re
         } else if (labels[t] == kCompress) {
             ref = relaxed(ref, now, fraction);
         } else if (stretches_on(t) && measure_stretch(ref, now).compression < 1.0f) {
-            // Both eigenvalues above one: a fold that was never seen has dissolved.
+            // Both eigenvalues are above one: a fold has dissolved that was already in the reference.
             ref = between(ref, now, growth);
         } else {
             continue;
@@ -260,7 +262,7 @@ Labels label_clip(const Surface& surface, const ReferenceModel& model, const Ref
                            std::to_string(vertices) + " vertices, got " + std::to_string(positions.size()) +
                            " vertices");
     }
-    std::deque<std::vector<Vec3>> poses;  // welded, from frame `first` on: those that the window may reach
+    std::deque<std::vector<Vec3>> poses;  // welded, from frame `first` on: those within the window
     std::vector<LabelCosts> costs;
     size_t first = 0;
     for (size_t f = 0; f < times.size(); ++f) {

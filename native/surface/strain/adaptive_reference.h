@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Reference triangles: what compression is measured against where there is no rest pose, or where what lasts
+// Reference triangles. Compression is measured against them if there is no rest pose, or if a lasting shape
 // should become the rest shape. R. Gillette, Augmentation of Coarse Meshes with Wrinkles, UBC 2015, chapter 4
-// (C. Peters's work); docs/wrinkle_paths.md says where we leave it.
+// (C. Peters's work). docs/wrinkle_paths.md lists our differences.
 #pragma once
 
 #include <cstdint>
@@ -15,21 +15,23 @@
 
 namespace rumple {
 
-// Reference triangles that start from the rest pose or from the first frame and adapt, or the rest pose
-// itself.
+// Reference triangles that start from the rest pose or from the first frame and then adapt, or the unchanged
+// rest pose.
 enum class Reference { kRestPose, kFirstFrame, kStaticRest };
 
 struct ReferenceSettings {
     Reference reference = Reference::kRestPose;
-    float window = 0.1f;       // labels compare with the pose so long ago, s, 0..10; 0: the previous frame
-    float relaxation = 0.01f;  // of compressed reference triangles, share per 1/30 s, 0..1; printed: 0.05
-    float growth = 1.05f;      // most length of a reference triangle over the rest pose's (kRestPose), >= 1
-    float growth_time = 0.1f;  // of reference triangles that take over a longer shape, s, 0..10; printed: 0
+    float window = 0.1f;       // age of the pose that labels compare with, s, 0..10; 0: the previous frame
+    float relaxation = 0.01f;  // of compressed reference triangles, share per 1/30 s, 0..1; thesis: 0.05
+    float growth =
+        1.05f;  // largest length of a reference triangle / length in the rest pose (kRestPose), >= 1
+    float growth_time =
+        0.1f;  // time in which a reference triangle takes over a longer shape, s, 0..10; thesis: 0
 };
 // Throws InvalidInput naming the first setting out of its range, the range and the value.
 void check_reference(const ReferenceSettings& settings);
 
-// What the rest pose fixes, built once.
+// Depends only on the rest pose, built once.
 struct ReferenceModel {
     TriangleNet net;
     std::vector<FlatTriangle> rest;  // per triangle
@@ -37,28 +39,31 @@ struct ReferenceModel {
 // Cost: O(triangles log triangles).
 ReferenceModel build_reference(const Surface& surface);
 
-// A pose of the base as chapter 4 sees it.
+// A pose of the base for chapter 4.
 struct FlatPose {
     std::vector<Vec3> positions;       // welded vertices, object space
     std::vector<FlatTriangle> shapes;  // per triangle
 };
 FlatPose flat_pose(const TriangleNet& net, std::vector<Vec3> welded);
 
-// When a frame is, and what is known ahead of it. Labels never read the reference, so they can be cut ahead.
+// The time of a frame, and what is known about later frames. Labels do not depend on the reference, so they
+// can be computed in advance.
 struct FrameTime {
-    double time = 0.0;                       // seconds; the frame number over the frame rate
-    std::span<const std::uint8_t> labels{};  // of label_clip(), per triangle; or empty: they are cut here
-    std::span<const Vec3> next_positions{};  // one frame of look-ahead for the cut, as positions; or empty
+    double time = 0.0;  // seconds; the frame number over the frame rate
+    std::span<const std::uint8_t>
+        labels{};  // from label_clip(), per triangle; if empty, they are computed here
+    std::span<const Vec3> next_positions{};  // positions of the next frame for the cut; or empty
     double next_time = 0.0;
 };
 
-// What is kept from frame to frame. All plain values: a stored state continues as the one that was stored.
+// The state from frame to frame. It has only plain values, so a stored state continues exactly like the
+// original.
 struct ReferenceState {
     double time = 0.0;                    // seconds
     Labels labels;                        // per triangle
     std::vector<FlatTriangle> reference;  // per triangle
-    std::vector<double> past_times;       // of the poses that labels still need, oldest first, this one last
-    std::vector<Vec3> past_positions;     // poses x welded vertices, object space
+    std::vector<double> past_times;    // of the poses that labels still need, the oldest first, this one last
+    std::vector<Vec3> past_positions;  // poses x welded vertices, object space
 
     bool empty() const { return reference.empty(); }
     size_t bytes() const {
@@ -67,28 +72,28 @@ struct ReferenceState {
     }
 };
 
-// Throw InvalidInput naming the first bad value: a frame time that does not fit the surface or the state, a
-// state that is of another surface or holds values that no frame leaves.
+// Throws InvalidInput naming the first bad value: a frame time that does not match the surface or the state,
+// or a state that belongs to another surface or has values that no frame can give.
 void check_frame_time(const Surface& surface, const FrameTime& frame_time, const ReferenceState* state);
 void check_reference(const Surface& surface, const ReferenceState& state);
 
-// One frame, from `before` or from the canonical start when there is none: sections 4.1 and 4.2. pose: of
-// this frame. changes: gets how every triangle changed since settings.window ago; undefined where there is no
-// state. Checks nothing. The same input gives the same bits, whatever the numbering of vertices. Cost: about
-// 0.3 ms for 1,000 triangles.
+// Computes one frame, from `before` or from the canonical start if there is none: sections 4.1 and 4.2. pose:
+// of this frame. changes: receives how every triangle changed since settings.window ago; undefined without a
+// state. Checks nothing. The same input gives the same bits with any numbering of vertices. Cost: about 0.3
+// ms for 1,000 triangles.
 ReferenceState adapt(const Surface& surface, const ReferenceModel& model, const ReferenceSettings& settings,
                      const FrameTime& frame_time, const FlatPose& pose, const ReferenceState* before,
                      std::vector<Stretch>& changes);
 
-// The same for a system that needs no more: welded positions of this frame, and a state that counts as none
-// when it is empty. Throws InvalidInput as the public functions do.
+// The same for a system that needs only the state. It takes the welded positions of this frame, and an empty
+// state counts as none. Throws InvalidInput like the public functions.
 ReferenceState adapt(const Surface& surface, const ReferenceModel& model, const ReferenceSettings& settings,
                      const FrameTime& frame_time, std::span<const Vec3> welded, const ReferenceState& before);
 
 // Labels of a whole clip in one cut (section 4.1.2), frames x triangles; for bakes. raw: without the cut.
-// positions: frames x vertices as the artist has them, object space. Throws InvalidInput when they are not
-// finite or do not match, or times do not ascend. Cost: about 1 ms and half a megabyte (250 in all, then in
-// pieces: cut_clip) per frame and 1,000 triangles.
+// positions: frames x vertices as the artist has them, object space. Throws InvalidInput if they are not
+// finite or do not match, or if times do not ascend. Cost: about 1 ms and half a megabyte per frame and 1,000
+// triangles. If it is more than 250 MB in all, the clip is cut in pieces (cut_clip).
 Labels label_clip(const Surface& surface, const ReferenceModel& model, const ReferenceSettings& settings,
                   std::span<const double> times, std::span<const Vec3> positions, bool raw = false);
 
@@ -99,10 +104,10 @@ std::vector<FlatTriangle> update_reference(const ReferenceModel& model, const Re
                                            const FlatPose& pose, const Labels& labels, double seconds,
                                            const ReferenceState* state);
 
-// A share per 1/30 s as a share of `seconds`, so that any frame rate gives the same in the same time.
+// Converts a share per 1/30 s to a share per `seconds`, so that the result does not depend on the frame rate.
 float fraction_in(float share_per_thirtieth, double seconds);
 
-// What an exponential filter of this time constant takes over in `seconds`.
+// The share that an exponential filter with this time constant takes over in `seconds`.
 float fraction_of(double seconds, double time);
 
 }  // namespace rumple

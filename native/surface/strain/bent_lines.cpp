@@ -11,14 +11,14 @@
 namespace rumple {
 namespace {
 
-// Of the sums of squares of the second derivatives, in the fit: where too few vertices lie around one (at a
-// border), they are 0.
+// Weight of the squared second derivatives in the fit (ridge). It makes them 0 if too few vertices are around
+// a vertex, as at a border.
 constexpr double kRidge = 1e-2;
-// Over the radius on which no line bears a fold: that on which all do.
+// The radius on which all lines bear a fold / the radius on which none do.
 constexpr float kFreeRadius = 4.0f;
-// Of the squared length: cloth that is not compressed counts as if it had so much to spare.
+// Share of the squared length: every vertex counts as if it had this much more cloth to spare.
 constexpr float kLeastSpare = 0.01f;
-// Cloth that is pressed together farther has no more to spare.
+// A larger compression gives no more cloth to spare.
 constexpr float kLeastStretch = 0.05f;
 
 using Row5 = std::array<double, 5>;
@@ -40,7 +40,8 @@ std::vector<std::vector<Index>> polygon_rings(const PolygonMesh& mesh) {
     return rings;
 }
 
-// Cholesky's factor of a positive definite matrix, in its lower half; false where it is none.
+// Computes the Cholesky factor of a positive definite matrix, in its lower half. Returns false if the matrix
+// is not positive definite.
 bool factorise(std::array<Row5, 5>& m) {
     for (size_t i = 0; i < 5; ++i) {
         for (size_t j = 0; j <= i; ++j) {
@@ -70,8 +71,8 @@ Row5 solved(const std::array<Row5, 5>& factor, Row5 x) {
     return x;
 }
 
-// Derivatives of the position by two coordinates along the surface, x and y, and along the line of a
-// direction t in them.
+// Derivatives of the position by two coordinates along the surface, x and y, and along a line in the
+// direction t in these coordinates.
 struct Derivatives {
     Vec3 x, y, xx, xy, yy;
 
@@ -79,7 +80,7 @@ struct Derivatives {
     Vec3 second(const Vec2& t) const { return t.x * t.x * xx + 2.0f * t.x * t.y * xy + t.y * t.y * yy; }
 };
 
-// The first so many of x, y, xx, xy, yy, of the positions around a vertex.
+// The first kCount of the derivatives x, y, xx, xy, yy of the positions around a vertex.
 template <size_t kCount>
 std::array<Vec3, kCount> derivatives(const BentLinesModel& model, std::span<const Vec3> positions,
                                      size_t vertex) {
@@ -151,7 +152,7 @@ std::vector<SpareCloth> spare_cloth(const Surface& surface, const BentLinesModel
             if (!std::isfinite(length) || length <= kShortestEdge) continue;
             const Vec3 side = glm::cross(normal / area, along / length);
             const float curvature = std::abs(glm::dot(d.second(line), side)) / (length * length);
-            // Stretch at right angles to the line.
+            // The stretch at right angles to the line.
             const float across = std::max(area / length, kLeastStretch);
             const float spare = kLeastSpare + std::max(1.0f / (across * across) - 1.0f, 0.0f);
             out[v].all.add(spare, side);

@@ -26,7 +26,7 @@ Corners corners_of(const Surface& surface, std::span<const Vec3> positions, cons
     return out;
 }
 
-// Columns: the two edges from corner 0, in the triangle's own frame.
+// Columns: the two edges from corner 0, in the triangle's frame.
 glm::mat2 edges_in_frame(const Corners& c, const TriangleFrame& frame) {
     const Vec3 e1 = c.p[1] - c.p[0];
     const Vec3 e2 = c.p[2] - c.p[0];
@@ -34,15 +34,15 @@ glm::mat2 edges_in_frame(const Corners& c, const TriangleFrame& frame) {
             Vec2(glm::dot(e2, frame.tangent), glm::dot(e2, frame.bitangent))};
 }
 
-// The vector that v becomes under the smallest rotation taking one unit normal to another.
+// The vector v after the smallest rotation from one unit normal to another.
 Vec3 tilt(const Vec3& v, const Vec3& from, const Vec3& to) {
     const Vec3 axis = glm::cross(from, to);
     const float cosine = glm::dot(from, to);
-    if (cosine < kOppositeNormals) return v;  // half a turn: any axis would do, none is better
+    if (cosine < kOppositeNormals) return v;  // half a turn: every axis is equally good
     return cosine * v + glm::cross(axis, v) + axis * (glm::dot(axis, v) / (1.0f + cosine));
 }
 
-// The turn that takes components in the triangle's frame to components in the vertex's.
+// The rotation from components in the triangle's frame to components in the vertex's frame.
 Vec2 turn_between(const TriangleFrame& triangle, const Vec3& vertex_normal, const Vec3& vertex_tangent) {
     const Vec3 carried = tilt(triangle.tangent, triangle.normal, vertex_normal);
     const Vec3 vertex_bitangent = glm::cross(vertex_normal, vertex_tangent);

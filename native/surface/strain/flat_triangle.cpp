@@ -12,7 +12,7 @@ namespace {
 using glm::dmat2;
 using glm::dvec2;
 
-// F = [[xx, xy], [0, yy]] of two shapes with area.
+// F = [[xx, xy], [0, yy]] between two shapes with area.
 struct Gradient {
     double xx, xy, yy;
 };
@@ -22,7 +22,7 @@ Gradient gradient(const FlatTriangle& from, const FlatTriangle& to) {
     return {xx, (to.x2 - xx * from.x2) / from.y2, double(to.y2) / from.y2};
 }
 
-// F = A diag(small, large) B^T of two shapes with area, from F F^T = A diag(small^2, large^2) A^T.
+// F = A diag(small, large) B^T between two shapes with area, from F F^T = A diag(small^2, large^2) A^T.
 struct Svd {
     double small = 1.0;
     double large = 1.0;
@@ -36,7 +36,7 @@ Svd decompose(const FlatTriangle& from, const FlatTriangle& to) {
     const double radius = std::sqrt(half * half + xy * xy);
     Svd out;
     out.large = std::sqrt(0.5 * (xx + yy) + radius);
-    out.small = f.xx * f.yy / out.large;  // by the determinant: no cancellation where it is small
+    out.small = f.xx * f.yy / out.large;  // from the determinant, without cancellation if it is small
     if (radius <= kSameStretch * out.large * out.large) return out;
     // The longer column of F F^T - large^2 I is the eigenvector of the smaller one.
     const double square = out.large * out.large;
@@ -45,13 +45,13 @@ Svd decompose(const FlatTriangle& from, const FlatTriangle& to) {
     return out;
 }
 
-// The shape of squared lengths |u1|^2, u1.u2 and |u2|^2.
+// The shape with the squared lengths |u1|^2 and |u2|^2 and the dot product u1.u2.
 FlatTriangle from_gram(double g00, double g01, double g11) {
     const double x1 = std::sqrt(g00), x2 = g01 / x1;
     return {float(x1), float(x2), float(std::sqrt(std::max(g11 - x2 * x2, 0.0)))};
 }
 
-// [u1, u2] scaled by `along` in the direction `axis` and by `across` at right angles to it.
+// [u1, u2], scaled by `along` in the direction `axis` and by `across` at right angles to it.
 FlatTriangle scaled(const FlatTriangle& shape, const dvec2& axis, double along, double across) {
     const dvec2 u1(shape.x1, 0.0), u2(shape.x2, shape.y2), side(-axis.y, axis.x);
     const dvec2 v1(along * glm::dot(axis, u1), across * glm::dot(side, u1));
@@ -108,7 +108,7 @@ FlatTriangle relaxed(const FlatTriangle& reference, const FlatTriangle& current,
     if (!current.has_area()) return reference;
     const Svd svd = decompose(reference, current);
     const auto towards_one = [&](double sigma) { return (1.0 - fraction) * sigma + fraction; };
-    // A^T [u1, u2], then Sigma'^-1; B turns the result as a whole, which no shape sees.
+    // A^T [u1, u2], then Sigma'^-1. B rotates the result as a whole, which does not change its shape.
     return scaled(current, svd.a_small, 1.0 / towards_one(svd.small), 1.0 / towards_one(svd.large));
 }
 

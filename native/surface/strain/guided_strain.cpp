@@ -13,11 +13,11 @@
 namespace rumple {
 namespace {
 
-// Of the length of a direction: what rounding may add.
+// Largest length of a direction. The excess over 1 allows for rounding.
 constexpr float kLongest = 1.0f + 1e-4f;
-// Squared stretches below and above count as these: of a collapsed mesh nothing is known.
+// Limits of squared stretches. Beyond them the mesh has collapsed, and its strain is unknown.
 constexpr float kLeastSquare = 0.01f, kMostSquare = 100.0f;
-// A rest length is scaled no farther.
+// Largest factor on a rest length.
 constexpr float kMostScale = 3.0f;
 
 // The inverse of a tensor in the plane of u and v.

@@ -2,10 +2,11 @@
 #include "surface/strain/labels.h"
 
 #define MAXFLOW_INCLUDE_TEMPLATE_IMPLEMENTATION
-// The library moves pointers into a block that realloc() has moved, by their distance from it. g++ 14 at -O3
-// sees the old address used, in code that it has inlined here, and warns although these are system headers.
+// After realloc() has moved a block, the library shifts its pointers into the block by the difference of the
+// addresses. g++ 14 at -O3 inlines this code here, sees the use of the old address, and warns, although these
+// are system headers.
 #pragma GCC diagnostic push
-#ifndef __clang__  // which does not know this warning
+#ifndef __clang__  // clang does not know this warning
 #pragma GCC diagnostic ignored "-Wuse-after-free"
 #endif
 #include <maxflow.h>
@@ -32,7 +33,7 @@ double rest_cost(double a, double b) {
            elementary::exp(-square(std::abs(a - 1.0) + std::abs(b - 1.0)) / (2.0 * square(kSigma)));  // (4.4)
 }
 
-double dominance_cost(double a, double b) {  // (4.5) as we read it
+double dominance_cost(double a, double b) {  // (4.5) in our reading
     const double high = elementary::exp(-kAlpha * (a - 1.0)), low = elementary::exp(-kBeta * (a - 1.0));
     if (a > b) return (high - low) * elementary::exp(-square(a - b) / (4.0 * square(kSigma))) + low;
     return (high < 1.0 ? a / b : b / a) * (high - 1.0) + 1.0;
@@ -44,8 +45,8 @@ double dominance_cost_printed(double a, double b) {
     return b / a * (high - 1.0) + 1.0;
 }
 
-// Capacities in whole numbers: the cut is exact whatever the order of the flow. Costs above kMostCost
-// (a triangle blown up to twice its size in a tenth of a second) are all the same.
+// Capacities are integers, so that the cut is exact in any order of the flow. All costs above kMostCost (a
+// triangle that doubles its size within a tenth of a second) are equal.
 constexpr double kCapacity = 65536.0;
 constexpr double kMostCost = 100.0;
 constexpr int kNever = 1 << 28;
@@ -56,12 +57,12 @@ int capacity(double cost) {
 
 using Graph = maxflow::Graph<int, int, long long>;
 
-// maxflow ends the process once this returns.
+// If it returned, maxflow would end the process.
 void no_memory(const char*) {
     throw std::bad_alloc();
 }
 
-// Nodes 2 i and 2 i + 1 of triangle i lie on the source's side when its label is above compress, above rest.
+// Nodes 2 i and 2 i + 1 of triangle i are on the source's side if its label is above compress and above rest.
 class LabelGraph {
   public:
     explicit LabelGraph(size_t nodes) : graph_(int(2 * nodes), int(6 * nodes), no_memory) {
@@ -97,7 +98,7 @@ double step_cost(int a, int b) {
     return kLabelStep * std::abs(a - b);
 }
 
-// visit(i, j) for every pair of neighbours in space (kept in one frame) and time.
+// Calls visit(i, j) for every pair of neighbours in space (within one frame) and in time.
 template <typename Visit>
 void visit_pairs(const TriangleNet& net, size_t count, Visit&& visit) {
     const size_t triangles = size_t(net.triangles());
