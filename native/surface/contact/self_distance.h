@@ -35,8 +35,9 @@ class SelfContactMesh {
     std::vector<Index> part_;  // per vertex: the lowest vertex of its part; empty: there is only one
 };
 
-// The nearest point of the cloth that faces a vertex: on a triangle that it is no corner of, and whose normal
-// points against that of the vertex, or that is of another part: of what is worn over or under it.
+// The nearest point of the cloth that faces a vertex. Its triangle does not contain the vertex. Either the
+// normals of both are opposed, or the triangle belongs to another part, which is worn over or under the
+// vertex.
 struct SelfContactSide {
     Vec3 towards{0.0f};  // unit: from the vertex to that point; zero: nothing faces it
     float distance = std::numeric_limits<float>::infinity();  // object units

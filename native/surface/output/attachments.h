@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Where fine vertices are tied to the deformed base (Mueller and Chentanez
-// 2010, section 4; Vlachos et al. 2001 for PN triangles).
+// The points of the deformed base to which fine vertices are attached (Mueller and Chentanez 2010, section 4;
+// Vlachos et al. 2001 for PN triangles).
 #pragma once
 
 #include <vector>
@@ -12,19 +12,19 @@ namespace rumple {
 
 enum class AttachmentKind { kLinear, kPnTriangle, kLimit };
 
-// places: one per fine vertex; triangle == kNone is an unattached vertex.
+// places: one per fine vertex. A vertex with triangle == kNone is not attached.
 struct Attachments {
     AttachmentKind kind = AttachmentKind::kLimit;
     std::vector<SurfacePoint> places;
     SparseRows limit;  // kLimit only: rows of limit-surface weights over welded vertices
 };
 
-// The cubic Bezier triangle of Vlachos et al. 2001, section 3.1, at weight b0
-// of corner 1 and b1 of corner 2. normals: unit, at the corners.
+// The cubic Bezier triangle of Vlachos et al. 2001, section 3.1, at weight b0 of corner 1 and b1 of corner 2.
+// normals: unit, at the corners.
 Vec3 pn_triangle(const Vec3 corner[3], const Vec3 normal[3], float b0, float b1);
 
-// Attachment points a_i on the deformed base, object space. normals are used by
-// kPnTriangle only. Unattached vertices get the origin.
+// Attachment points a_i on the deformed base, object space. normals are used only by kPnTriangle. Vertices
+// without attachment get the origin.
 void attach(const Surface& surface, const Attachments& attachments, std::span<const Vec3> positions,
             std::span<const Vec3> normals, std::span<Vec3> out);
 
@@ -34,15 +34,15 @@ inline Vec3 interpolate(const Surface& surface, const SurfacePoint& place, std::
     return (1.0f - place.b0 - place.b1) * values[a] + place.b0 * values[b] + place.b1 * values[c];
 }
 
-// How far what is attached may go inwards, of how far the vertices of the base may: object units, per place,
-// as the attachments lie over the vertices. The smooth surface (kLimit) is lower than a crest by as much as
-// its gap, and weights of its rows may be below zero, gaps not. gap: per display vertex. Unattached vertices
-// get 0. Cost: O(places).
+// How far attached vertices may move inwards, from how far the vertices of the base may: object units, per
+// place. The values are interpolated like the attachments. The smooth surface (kLimit) is lower than a crest
+// of its cage, and so is its gap. Rows of kLimit may have negative weights, but the result is never negative.
+// gap: per display vertex. Vertices without attachment get 0. Cost: O(places).
 std::vector<float> gaps_at(const Surface& surface, const Attachments& attachments,
                            std::span<const float> gap);
 
-// Where to look for a body near a triangle: the largest of its vertices' hints, so kNone where none has one.
-// hints: per display vertex.
+// A triangle of the body for the search near a triangle of the surface: the largest of its vertices' hints,
+// so kNone only if none has a hint. hints: per display vertex.
 Index hint_at(const Surface& surface, Index triangle, std::span<const Index> hints);
 
 }  // namespace rumple

@@ -17,18 +17,19 @@
 namespace rumple {
 namespace {
 
-// The farthest that a vertex is from a sample, over the mean edge between samples. Measured on shirts,
-// sweaters and trousers.
+// The largest distance of a vertex from its nearest sample / mean edge length of the coarse mesh. Measured on
+// shirts, sweaters and trousers.
 constexpr float kRadius = 0.7f;
 
-// Cosine of the angle by which a border turns at a corner, at most.
+// Cosine: if the direction of a border changes more, the vertex is a corner.
 constexpr float kStraight = 0.6f;
 
-// Of the cage, until the smooth surface runs through the dense mesh: each leaves about a half of what is
-// wrong.
+// Number of corrections of the cage until the smooth surface passes through the dense mesh. Each leaves about
+// half of the error.
 constexpr int kCorrections = 6;
 
-// Sides of the triangles, and both diagonals of quads, so that distances do not depend on how one is cut.
+// The graph of the sides of triangles, and of both diagonals of quads, so that distances do not depend on how
+// a quad is cut.
 EdgeGraph build_graph(const Surface& surface) {
     std::vector<std::pair<Index, Index>> sides;
     const auto add = [&](Index a, Index b) { sides.emplace_back(std::min(a, b), std::max(a, b)); };
@@ -49,19 +50,20 @@ EdgeGraph build_graph(const Surface& surface) {
     return graph;
 }
 
-// Which sample every vertex is nearest to, along the edges.
+// The nearest sample of every vertex, along the edges.
 class Cells {
   public:
     std::vector<Index> samples;  // welded vertices
-    std::vector<Index> owner;    // per welded vertex: its sample's place in `samples`
+    std::vector<Index> owner;    // per welded vertex: index of its sample in `samples`
 
     explicit Cells(const Surface& surface)
         : owner(surface.welded.vertex_count, kNone),
           graph_(build_graph(surface)),
           distance_(graph_.size(), std::numeric_limits<float>::infinity()) {}
 
-    // Samples among some vertices until none of them is farther than the radius from one: farthest first,
-    // the lowest number of equals. A distance in the queue is of when it was put there: they only shrink.
+    // Adds samples from some vertices until each of them is within the radius of a sample: the farthest
+    // vertex first, among equals the lowest. A distance in the queue may be out of date, because distances
+    // only decrease.
     void sample(std::span<const Index> among, float radius) {
         using Far = std::pair<float, Index>;
         const auto after = [](const Far& x, const Far& y) {
@@ -82,7 +84,7 @@ class Cells {
     }
 
   private:
-    // The cell of a new sample: what is nearer to it than to all before.
+    // Makes the cell of a new sample: the vertices that are nearer to it than to all samples before.
     void grow(Index sample) {
         const Index number = static_cast<Index>(samples.size());
         samples.push_back(sample);
@@ -96,10 +98,11 @@ class Cells {
 
 using Corners = std::array<Index, 3>;
 
-// Where three cells meet. Along a ragged border of two cells a third one meets them there and back: what is
-// left of both windings counts. A side that two triangles of one winding would have is left open.
+// The triangles where three cells meet. Along a ragged border of two cells, a third one may meet them several
+// times with opposite windings. Only the excess of one winding counts. A triangle is left out if one of its
+// directed sides is already used.
 std::vector<Corners> triangles_between(const Surface& surface, std::span<const Index> owner) {
-    std::map<Corners, int> meetings;  // from the lowest corner on, with the winding that it has in excess
+    std::map<Corners, int> meetings;  // sorted corners, and the excess of their winding
     for (Index t = 0; t < Index(surface.triangles.size()); ++t) {
         const auto [u, v, w] = welded_vertices(surface, t);
         const Index a = owner[u], b = owner[v], c = owner[w];
@@ -143,8 +146,9 @@ float mean_edge(const Surface& surface) {
     return float(sum / double(surface.edges.size()));
 }
 
-// Moves vertices along their normals until the smooth surface runs through where they were. Along the surface
-// they stay: it need not pass a vertex just there, and small triangles would turn over.
+// Moves vertices along their normals until the smooth surface passes through their former positions. They do
+// not move along the surface: the smooth surface need not pass a vertex exactly there, and small triangles
+// would turn over.
 std::vector<Vec3> cage_around(const Surface& surface, const SparseRows& limit, std::span<const Vec3> wanted) {
     const std::vector<Vec3> normals = vertex_normals(surface, wanted);
     std::vector<Vec3> cage(wanted.begin(), wanted.end()), at(wanted.size());
@@ -158,8 +162,9 @@ std::vector<Vec3> cage_around(const Surface& surface, const SparseRows& limit, s
     return cage;
 }
 
-// Vertices at which an open border turns sharply. What lies beyond the coarse mesh moves along with its
-// border, but does not turn with it: the corner of a cape that flies would stay as it was modelled.
+// Vertices at which an open border turns sharply. What is outside the coarse mesh moves with the mesh's
+// border, but does not rotate with it. Without these vertices, the corner of a flying cape would keep its
+// modelled shape.
 std::vector<Index> corners_of_borders(const Surface& surface) {
     std::vector<std::vector<Index>> along(surface.welded.vertex_count);
     for (const Edge& e : surface.edges) {
@@ -210,7 +215,7 @@ std::shared_ptr<const CoarseMesh> build_coarse(const Surface& dense, float spaci
 
 std::vector<Vec3> coarse_positions(const CoarseMesh& coarse, const Surface& dense,
                                    std::span<const Vec3> positions) {
-    check_frame(dense, positions);  // also where no coarse vertex is
+    check_frame(dense, positions);  // needed also without coarse vertices
     const std::vector<Vec3> welded = weld_positions(dense, positions);
     std::vector<Vec3> wanted;
     for (const Index v : coarse.dense_vertex) wanted.push_back(welded[dense.welded_of[v]]);

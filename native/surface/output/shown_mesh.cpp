@@ -20,8 +20,8 @@ namespace {
 
 using Pair = std::array<Index, 2>;
 
-// Edges whose both ends are made from the same two source vertices only lie on the edge between those two.
-// found(edge, ends of the source's edge)
+// Finds edges that lie on an edge of the source: both ends are made only from the two vertices of the
+// source's edge. Calls found(edge, ends of the source's edge).
 template <typename Found>
 void edges_on_source(const PolygonMesh& mesh, const SparseRows& from, const PolygonMesh& source,
                      Found&& found) {
@@ -54,14 +54,14 @@ void collect_edge_sources(ShownMesh& shown, const PolygonMesh& source) {
     });
 }
 
-// log2 of a number of pieces, linear between powers of two.
+// log2 of a number of pieces, linearly interpolated between powers of two.
 float halvings(int pieces) {
     const int whole = std::bit_width(unsigned(pieces)) - 1;
     return float(whole) + float(pieces) / float(1 << whole) - 1.0f;
 }
 
-// Of a mesh whose edges were split: a crease that stays does so in every piece, another one has lost what so
-// many subdivisions take.
+// Creases of a mesh whose edges were split. An infinitely sharp crease stays so in every piece. Other creases
+// lose as much sharpness as by the same number of subdivisions.
 void split_creases(FineMesh& fine, const PolygonMesh& parent) {
     if (parent.creases.empty()) return;
     std::vector<std::pair<Edge, const Crease*>> pieces;
@@ -86,7 +86,7 @@ void embed(const Surface& base, const ShownMesh& mesh, std::span<const Vec3> wel
            std::span<const TriangleFrame> frames, ShownFrame& out) {
     for_each_index(mesh.places.size(), kLeastSteps, [&](size_t v) {
         const SurfacePoint& place = mesh.places[v];
-        if (place.triangle == kNone) {  // a loose vertex is where the base has it
+        if (place.triangle == kNone) {  // a loose vertex has no offset from the base
             out.local_offset[v] = Vec3(0.0f);
             return;
         }
@@ -162,8 +162,8 @@ std::vector<Vec3> attached_at_rest(const Surface& base, const Attachments& attac
 
 namespace {
 
-// All but what comes from solved vertices. Returns the solved vertex, after the display steps, of every shown
-// one.
+// Fills in everything that does not depend on solved vertices. Returns, for every shown vertex, its solved
+// vertex after the display steps.
 std::vector<Index> unweld_and_locate(const Surface& base, const Surface& source, const FineMesh& fine,
                                      Index steps, ShownMesh& shown) {
     FineMesh whole = compose(refine_subdivision(fine.mesh, steps), fine);

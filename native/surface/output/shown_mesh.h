@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The fine mesh that is shown in place of the base, and what it inherits.
+// The fine mesh that replaces the base on screen, and the data that it inherits.
 #pragma once
 
 #include <array>
@@ -23,57 +23,58 @@ struct FineSource {
     Index most_vertices = 4'000'000;
 };
 
-// Throws InvalidInput when the fine mesh would have more than most_vertices;
-// steps: further subdivisions of it. Cost: that of the refinement.
+// Throws InvalidInput if the fine mesh would have more than most_vertices. steps: further subdivisions of it.
+// Cost: the cost of the refinement.
 FineMesh refine(const Surface& base, const FineSource& source, Index steps = 0);
 
-// The attachments of a refined mesh. Cost: that of the limit stencils.
+// The attachments of a refined mesh. Cost: the cost of the limit stencils.
 Attachments attach_refined(const Surface& base, const FineSource& source, const FineMesh& fine,
                            AttachmentKind kind);
 
 // Attachment points on the base at rest.
 std::vector<Vec3> attached_at_rest(const Surface& base, const Attachments& attachments);
 
-// How many vertices a mesh of so many corners would get, for refusing them in time.
+// Throws InvalidInput before the refinement if a mesh with this number of corners would get too many
+// vertices.
 void refuse_too_many(double corners, const FineSource& source, Index steps);
 
-// The mesh that is shown: the solved fine mesh after unsolved subdivision steps, its
-// seams opened again as on the source (the base, or an artist's own mesh).
+// The shown mesh: the solved fine mesh after unsolved subdivision steps, with seams split as on the source
+// (the base, or an artist's own mesh).
 struct ShownMesh {
     PolygonMesh mesh;
-    SparseRows from_solved;                       // smooth positions <- solved vertices
-    SparseRows vertex_from_source;                // linear, source vertices (as the artist has them)
-    SparseRows corner_from_source;                // linear, source corners: UV seams stay sharp
-    std::vector<Index> polygon_source;            // source polygon
-    std::vector<SurfacePoint> places;             // on the base; kNone for a loose vertex
+    SparseRows from_solved;             // smooth positions <- solved vertices
+    SparseRows vertex_from_source;      // linear, source vertices (as the artist has them)
+    SparseRows corner_from_source;      // linear, source corners: UV seams stay sharp
+    std::vector<Index> polygon_source;  // source polygon
+    std::vector<SurfacePoint> places;   // on the base; kNone for a loose vertex
     std::vector<std::array<Index, 3>> embedding;  // the base's vertices (as the artist has them) around each
-    std::vector<Vec3> positions_rest;             // object space
-    std::vector<std::array<Index, 2>> edges;      // shown edges that lie on a source edge ...
+    std::vector<Vec3> positions_rest;                // object space
+    std::vector<std::array<Index, 2>> edges;         // shown edges that lie on a source edge ...
     std::vector<std::array<Index, 2>> edge_sources;  // ... and that edge's vertices
 };
 
-// fine: the solved mesh, made of source.welded; steps: unsolved subdivisions of
-// it; solved_rest: its vertices at rest. source is the base itself, or a mesh of
-// its own that is bound to the base by closest points.
+// fine: the solved mesh, made from source.welded. steps: unsolved subdivisions of it. solved_rest: its
+// vertices at rest. source: the base itself, or an artist's own mesh that is bound to the base by closest
+// points.
 ShownMesh show_fine(const Surface& base, const Surface& source, const FineMesh& fine, Index steps,
                     std::span<const Vec3> solved_rest);
 
-// The same for viewports, with viewport_steps; none where these are not fewer than steps.
+// The same for viewports, with viewport_steps; none if these are not fewer than steps.
 std::optional<ShownMesh> show_in_viewport(const Surface& base, const Surface& source, const FineMesh& fine,
                                           Index steps, Index viewport_steps,
                                           std::span<const Vec3> solved_rest);
 
-// What a model shows: the mesh of viewports where it has one of its own.
+// The shown mesh of a model: in viewports its own mesh for them, if there is one.
 template <typename Model>
 const ShownMesh& shown_mesh(const Model& model, bool in_viewport) {
     return in_viewport && model.shown_in_viewport ? *model.shown_in_viewport : model.shown;
 }
 
-// The base itself with every polygon cut into its triangles: vertex v is the
-// base's vertex v as the artist has it, loose ones included; polygon t is triangle t.
+// The base itself with every polygon cut into its triangles. Vertex v is the base's vertex v as the artist
+// has it, including loose vertices. Polygon t is triangle t.
 ShownMesh show_triangles(const Surface& base);
 
-// What every system shows of a frame.
+// The result of a frame that every system shows.
 struct ShownFrame {
     std::vector<Vec3> positions;     // per shown vertex, object space
     std::vector<Vec3> local_offset;  // from the linear embedding, in the frame of the deformed base triangle
@@ -81,14 +82,15 @@ struct ShownFrame {
     StretchField stretch;            // of the base
 };
 
-// base_positions, frames: of the deformed base. solved, offset: per solved vertex, object space; offset from
-// the unwrinkled surface. Cost: O(triangles + shown vertices).
+// base_positions, frames: of the deformed base. solved, offset: per solved vertex, object space; offset is
+// from the unwrinkled surface. Cost: O(triangles + shown vertices).
 void show_frame(const Surface& base, const ShownMesh& mesh, const StretchModel& stretch,
                 std::span<const Vec3> base_positions, std::span<const TriangleFrame> frames,
                 std::span<const Vec3> solved, std::span<const Vec3> offset, ShownFrame& out);
 
-// Embeds a frame in other positions of the base's vertices (as the artist has them): local_offset anew. For
-// what was solved over a base cloth and is shown over the animated mesh. Cost: O(triangles + shown vertices).
+// Embeds a frame in other positions of the base's vertices (as the artist has them): computes local_offset
+// again. It is for frames that were solved on a base cloth and are shown on the animated mesh. Cost:
+// O(triangles + shown vertices).
 void embed_frame(const Surface& base, const ShownMesh& mesh, std::span<const Vec3> positions,
                  ShownFrame& frame);
 

@@ -27,12 +27,12 @@ inline double squared_distance(const Bounds& box, const glm::dvec3& p) {
     return glm::dot(outside, outside);
 }
 
-// 0, 1 or 2; of equal ones the first.
+// 0, 1 or 2; the first of equal ones.
 inline int longest_axis(const Vec3& extent) {
     return extent.x >= extent.y && extent.x >= extent.z ? 0 : extent.y >= extent.z ? 1 : 2;
 }
 
-// Unit of the positions; 0 for none.
+// In the unit of the positions; 0 without positions.
 inline double bounding_diagonal(std::span<const Vec3> positions) {
     Bounds box;
     for (const Vec3& p : positions) box.include(glm::dvec3(p));

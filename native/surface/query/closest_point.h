@@ -6,22 +6,23 @@
 
 namespace rumple {
 
-// Weights of the second and the third corner; that of the first is what is left of 1.
+// The weights of the second and the third corner. The weight of the first is 1 minus both.
 template <typename Real>
 struct ClosestPoint {
     Real v, w;
 };
 
-// By the Voronoi regions of the triangle. Source: Ericson 2005, Real-Time Collision Detection, 5.1.5. Real:
-// float, or Lanes. d1 .. d6: dot products of its sides ab and ac with the ways from a, b and c to the point.
-// On a triangle without area any of its points.
+// Uses the Voronoi regions of the triangle. Source: Ericson 2005, Real-Time Collision Detection, 5.1.5. Real:
+// float, or Lanes. d1 .. d6: dot products of the sides ab and ac with the vectors from a, b and c to the
+// point. For a triangle without area it returns any of its points.
 template <typename Real>
 ClosestPoint<Real> closest_point(const Real& d1, const Real& d2, const Real& d3, const Real& d4,
                                  const Real& d5, const Real& d6) {
     const Real zero = d1 - d1, one = zero + 1.0f;
     const Real va = d3 * d6 - d5 * d4, vb = d5 * d2 - d1 * d6, vc = d1 * d4 - d3 * d2;
     Real v = vb, w = vc, of = va + vb + vc;  // inside
-    // The regions of the book in the opposite order: the first that holds there is the last to be taken here.
+    // The book's regions in reverse order. The book takes the first region that contains the point; here the
+    // last one overwrites the others.
     const auto take = [&](const auto& region, const Real& new_v, const Real& new_w, const Real& new_of) {
         v = region ? new_v : v;
         w = region ? new_w : w;
@@ -38,7 +39,7 @@ ClosestPoint<Real> closest_point(const Real& d1, const Real& d2, const Real& d3,
     return {v / of, w / of};
 }
 
-// The same as weights of the three corners (they sum to 1). Vector: Vec3, or Vec3Lanes.
+// The same as weights of the three corners, with sum 1. Vector: Vec3, or Vec3Lanes.
 template <typename Vector>
 Vector closest_weights(const Vector& p, const Vector& a, const Vector& b, const Vector& c) {
     const Vector ab = b - a, ac = c - a, ap = p - a, bp = p - b, cp = p - c;
@@ -47,7 +48,7 @@ Vector closest_weights(const Vector& p, const Vector& a, const Vector& b, const 
     return {1.0f - v - w, v, w};
 }
 
-// Three corners by such weights.
+// The weighted sum of three corners.
 template <typename Vector>
 Vector mixed(const Vector& weights, const Vector& a, const Vector& b, const Vector& c) {
     return weights.x * a + weights.y * b + weights.z * c;

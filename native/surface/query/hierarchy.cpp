@@ -12,8 +12,8 @@ namespace {
 
 constexpr Index kLeafItems = 4;
 
-// About half of so many, so that leaves, and fours of leaves, are full: one that is not costs a search as
-// much as one that is.
+// About half of a count, so that leaves, and groups of four leaves, are full. A search of a leaf that is not
+// full costs as much as of a full one.
 Index left_of(Index count) {
     constexpr Index kLeavesOfNode = 4;
     const Index whole = count > 2 * kLeavesOfNode * kLeafItems ? kLeavesOfNode * kLeafItems : kLeafItems;
@@ -22,7 +22,7 @@ Index left_of(Index count) {
 
 void split(Index node, Index begin, Index end, std::span<const Vec3> centres, Hierarchy& out) {
     if (end - begin <= kLeafItems) {
-        // nth_element leaves their order open: each standard library has its own.
+        // nth_element does not define their order, and standard libraries differ.
         std::sort(out.order.begin() + begin, out.order.begin() + end);
         out.nodes[node] = {begin, end - begin};
         return;

@@ -8,7 +8,7 @@
 
 namespace rumple {
 
-// The s of the point a + s (b - a), 0 <= s <= 1, that is closest to p; 0 where the segment has no length.
+// The s of the point a + s (b - a), 0 <= s <= 1, that is closest to p; 0 if the segment has no length.
 // Vector: of floats or doubles.
 template <typename Vector>
 typename Vector::value_type closest_on_segment(const Vector& a, const Vector& b, const Vector& p) {
