@@ -42,14 +42,14 @@ void refuse_too_many(double corners, const FineSource& source, Index steps);
 // (the base, or an artist's own mesh).
 struct ShownMesh {
     PolygonMesh mesh;
-    SparseRows from_solved;             // smooth positions <- solved vertices
-    SparseRows vertex_from_source;      // linear, source vertices (as the artist has them)
-    SparseRows corner_from_source;      // linear, source corners: UV seams stay sharp
-    std::vector<Index> polygon_source;  // source polygon
-    std::vector<SurfacePoint> places;   // on the base; kNone for a loose vertex
+    SparseRows from_solved;                       // smooth positions <- solved vertices
+    SparseRows vertex_from_source;                // linear, source vertices (as the artist has them)
+    SparseRows corner_from_source;                // linear, source corners: UV seams stay sharp
+    std::vector<Index> polygon_source;            // source polygon
+    std::vector<SurfacePoint> places;             // on the base; kNone for a loose vertex
     std::vector<std::array<Index, 3>> embedding;  // the base's vertices (as the artist has them) around each
-    std::vector<Vec3> positions_rest;                // object space
-    std::vector<std::array<Index, 2>> edges;         // shown edges that lie on a source edge ...
+    std::vector<Vec3> positions_rest;             // object space
+    std::vector<std::array<Index, 2>> edges;      // shown edges that lie on a source edge ...
     std::vector<std::array<Index, 2>> edge_sources;  // ... and that edge's vertices
 };
 

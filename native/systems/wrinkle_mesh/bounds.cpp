@@ -13,10 +13,10 @@ Vec3 closest_on_triangle(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3
     return mixed(closest_weights(p, a, b, c), a, b, c);
 }
 
-// Secants from a vertex below its floor to the attachment: one where the floor is flat.
+// Number of secant steps from a vertex below its floor to the attachment. A flat floor needs one.
 constexpr int kFloorSteps = 4;
 
-// Of squared distances, relative: a rounding.
+// Relative tolerance of squared distances, for rounding.
 constexpr float kEquallyNear = 1e-4f;
 
 bool in_any(bool beyond) {
@@ -26,8 +26,8 @@ bool in_any(const LaneMask& beyond) {
     return bits_of(beyond) != 0;
 }
 
-// 1 where a length is at most that, else most over length. Most lengths are, by far: those need no root, for
-// a square that is clearly below that of `most` says so.
+// 1 if a length is at most `most`, else most / length. Nearly all lengths are shorter. They need no square
+// root, because a square that is clearly below the square of `most` decides it.
 template <typename Real>
 Real shortening(const Real& squared, const Real& most) {
     constexpr float kClearly = 1.0f - 1e-5f;
@@ -37,7 +37,7 @@ Real shortening(const Real& squared, const Real& most) {
     return length > most ? most / length : one;
 }
 
-// The bounds by the cloth itself.
+// Keeps a vertex within the bounds by the cloth itself.
 template <typename Real>
 void keep_off_self(const Bound<Real>& bound, Vec3Of<Real>& p) {
     const Real one = all<Real>(1.0f);
@@ -45,15 +45,16 @@ void keep_off_self(const Bound<Real>& bound, Vec3Of<Real>& p) {
     const auto slide_scale = [&](const Vec3Of<Real>& way) { return shortening(dot(way, way), bound.slide); };
     const Vec3Of<Real> way = along();
     p = p - (one - slide_scale(way)) * way;
-    // Where what faces it lies behind the vertex the two may have passed each other already, and neither
-    // way is the safe one.
+    // `behind` is finite only if the facing cloth is behind the vertex. Then the two may have passed each
+    // other already, and it is unknown which direction is safe.
     const Real moved = dot(p - bound.at, bound.towards);
     if (in_any((moved > bound.ahead) | (moved < bound.behind))) {
         p = choose(moved > bound.ahead, p - (moved - bound.ahead) * bound.towards, p);
         p = choose(moved < bound.behind, p - (moved - bound.behind) * bound.towards, p);
     }
-    // What that broke is mended straight towards the attachment, which breaks nothing: all bounds hold at
-    // once, so a held vertex is not pushed again in every frame. (kNeighbourhood: keep_above_floor().)
+    // The steps above may break other bounds. Moving the vertex straight towards the attachment repairs them
+    // and breaks none. Then all bounds hold at once, so a held vertex is not pushed again in every frame.
+    // (kNeighbourhood: keep_above_floor().)
     const Real height = dot(p - bound.at, bound.floor), slid = slide_scale(along());
     const auto below = height < bound.lowest;
     const Real raised = in_any(below) ? (below ? bound.lowest / height : one) : one;
@@ -61,7 +62,7 @@ void keep_off_self(const Bound<Real>& bound, Vec3Of<Real>& p) {
     if (in_any(scale < one)) p = choose(scale < one, bound.at + scale * (p - bound.at), p);
 }
 
-// Collision with the plane, the cloth itself, the ball.
+// Collision with the plane, with the cloth itself, then the ball.
 template <typename Real>
 void hold_within(const Bound<Real>& bound, bool self_contact, Vec3Of<Real>& p) {
     const Real height = dot(p - bound.at, bound.floor);
@@ -98,7 +99,7 @@ Bounds::Bounds(const Model& model, const Settings& settings, const Paint& paint,
         if (!pose.gap.empty()) depth = std::min(depth, pose.gap[v]);
         four.radius[k] = radii_[v];
         if (collision_ == Collision::kPlane) four.lowest[k] = -depth;
-        // The attachments of curved patches may lie below the flat triangles already.
+        // Attachments on curved patches may already be below the flat triangles.
         if (collision_ == Collision::kNeighbourhood)
             floor_[v] = std::min(side_of(v, pose.attachment[v]).height, 0.0f) - depth;
         if (settings.slide > 0.0f && !pose.heights.empty()) four.slide[k] = settings.slide * pose.heights[v];
@@ -146,7 +147,7 @@ void Bounds::put_within(size_t v, float slack, Vec3& p) const {
     const bool neighbourhood = collision_ == Collision::kNeighbourhood;
     if (neighbourhood) {
         const Side side = side_of(v, p);
-        // What keep_above_floor() left is above it.
+        // A vertex that keep_above_floor() accepts is not pushed.
         if (side.height < floor_[v] - (self_contact_ ? slack : 0.0f))
             p += (floor_[v] - side.height) * side.normal;
     }
@@ -190,8 +191,8 @@ Bounds::Side Bounds::side_of(size_t v, const Vec3& p) const {
         const auto at = [&](int i) { return pose_.base[model_.base.welded.corner_vertex[corner[i]]]; };
         const Vec3 from = p - closest_on_triangle(p, at(0), at(1), at(2));
         const float distance = glm::dot(from, from), height = glm::dot(from, pose_.frames[t].normal);
-        // Triangles that meet in the nearest point are equally near: the one that faces the vertex most says
-        // on which side it is (Baerentzen, Aanaes 2005), not a rounding.
+        // Several triangles may share the nearest point and so be equally near. Then the triangle that faces
+        // the vertex most directly decides the side (Baerentzen, Aanaes 2005), so that rounding does not.
         const bool nearer = best < 0.0f || distance < (1.0f - kEquallyNear) * best;
         if (!nearer && (distance > (1.0f + kEquallyNear) * best || std::abs(height) <= std::abs(side.height)))
             continue;

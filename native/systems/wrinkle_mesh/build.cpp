@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Section 3 of Mueller and Chentanez 2010: the fine mesh, its references to
-// the base, and its constraints.
+// Section 3 of Mueller and Chentanez 2010: the fine mesh, its places on the base, and its constraints.
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -21,8 +20,8 @@
 namespace rumple::wrinkle_mesh {
 namespace {
 
-// A block of fewer is swept in less time than threads take to meet. They do not depend on the number of
-// threads, so neither does the order of the sweeps.
+// A smaller block is swept in less time than threads take to meet. Blocks do not depend on the number of
+// threads, so the order of the sweeps does not either.
 constexpr Index kBlockRows = 512;
 
 FineMesh copy_own(const Surface& own, const Source& source, Index display_steps) {
@@ -33,8 +32,8 @@ FineMesh copy_own(const Surface& own, const Source& source, Index display_steps)
     return refine_subdivision(own.welded, 0);
 }
 
-// Constraints act on triangles, as in the paper: polygons are cut along their
-// shorter diagonal (quads) or in a fan.
+// Constraints act on triangles, as in the paper. Quads are cut along their shorter diagonal, other polygons
+// into a fan.
 std::vector<std::array<Index, 3>> triangulate(const PolygonMesh& mesh, std::span<const Vec3> rest) {
     std::vector<std::array<Index, 3>> triangles;
     for (Index p = 0; p < mesh.polygons(); ++p) {
@@ -58,7 +57,7 @@ Pair sorted_pair(Index a, Index b) {
 
 struct PairSets {
     std::vector<Pair> edges;     // of the triangles
-    std::vector<Pair> opposite;  // the two vertices across an edge of two triangles
+    std::vector<Pair> opposite;  // the two vertices opposite an edge of two triangles
     std::vector<Pair> border;    // edges of one triangle
 
     std::vector<bool> on_border(size_t vertices) const {
@@ -116,7 +115,7 @@ std::vector<Index> inverse(const std::vector<Index>& permutation) {
     return out;
 }
 
-using RowPairs = std::vector<std::array<Index, 2>>;  // the first row below the second
+using RowPairs = std::vector<std::array<Index, 2>>;  // the first row is the lower one
 
 RowPairs rows_of(const std::vector<Pair>& pairs, std::span<const Index> row_of) {
     RowPairs out;
@@ -124,10 +123,10 @@ RowPairs rows_of(const std::vector<Pair>& pairs, std::span<const Index> row_of) 
     return out;
 }
 
-// Model::block_row. Pairs between two blocks reach some way into both. A block is so long that those at one
-// of its ends share no vertex with those at the other.
+// Computes Model::block_row. Pairs between two blocks extend some rows into both. A block is long enough that
+// the pairs at one end share no vertex with the pairs at the other.
 std::vector<Index> blocks_of_rows(Index rows, std::initializer_list<const RowPairs*> pairs) {
-    // The row that the pairs of each row, and of those before it, reach at most.
+    // For each row: the largest row that a pair of this row, or of a row before it, contains.
     std::vector<Index> farthest(static_cast<size_t>(rows));
     std::iota(farthest.begin(), farthest.end(), 0);
     for (const RowPairs* some : pairs)
@@ -144,7 +143,7 @@ std::vector<Index> blocks_of_rows(Index rows, std::initializer_list<const RowPai
     return start;
 }
 
-// Pairs::run_start and group_start. group, colour: of the pairs in their order.
+// Computes Pairs::run_start and group_start. group, colour: of the pairs in their order.
 void find_runs(std::span<const Index> group, std::span<const Index> colour, size_t groups, Pairs& pairs) {
     for (size_t i = 0; i < pairs.size(); ++i) {
         const bool new_group = i == 0 || group[i] != group[i - 1];
@@ -156,7 +155,7 @@ void find_runs(std::span<const Index> group, std::span<const Index> colour, size
     pairs.run_start.push_back(static_cast<Index>(pairs.size()));
 }
 
-// By group, colour and row. Pairs of one colour share no vertex, so that their order changes no bit.
+// Sorts by group, colour and row. Pairs of one colour share no vertex, so their order changes no bit.
 Pairs in_sweep_order(const std::vector<Pair>& pairs, const RowPairs& rows, const Model& model) {
     const auto block_of = [&](Index row) {
         const auto after = std::upper_bound(model.block_row.begin(), model.block_row.end(), row);
@@ -201,8 +200,8 @@ std::vector<float> mean_edge_around(const Pairs& edges, size_t vertices) {
     return sum;
 }
 
-// The artist's mesh: closest points, and what is left between them and the mesh.
-// fine: the artist's mesh without the vertices that no polygon uses.
+// Binds the artist's mesh to closest points, and stores its distances from them. fine: the artist's mesh
+// without the vertices that no polygon uses.
 void bind_own(Model& model, const Source& source, const FineMesh& fine, std::span<const Vec3> rest) {
     model.unattached_distance.resize(rest.size());
     model.attachments.places = closest_points(model.base, rest, model.unattached_distance);
@@ -217,7 +216,7 @@ void bind_own(Model& model, const Source& source, const FineMesh& fine, std::spa
     }
 }
 
-// What is left between the attachments and the artist's mesh, in the smooth frames of the attachments.
+// The offsets of the artist's mesh from the attachments, in the smooth frames of the attachments.
 std::vector<Vec3> rest_offsets_of_own(const Model& model, std::span<const Vec3> own_rest) {
     const Surface& base = model.base;
     const std::vector<Vec3> attached = attached_at_rest(base, model.attachments),
@@ -232,7 +231,7 @@ std::vector<Vec3> rest_offsets_of_own(const Model& model, std::span<const Vec3> 
     return out;
 }
 
-// Ties the fine mesh to the base. Returns where its vertices are at rest.
+// Attaches the fine mesh to the base. Returns the positions of its vertices at rest.
 std::vector<Vec3> attach_fine_mesh(Model& model, const Source& source, const FineMesh& fine,
                                    AttachmentKind kind) {
     model.attached.assign(fine.mesh.vertex_count, 1);
@@ -250,7 +249,7 @@ std::vector<Vec3> attach_fine_mesh(Model& model, const Source& source, const Fin
     return rest;
 }
 
-// Distance and bending, and what follows from their pairs.
+// Adds distance and bending pairs, and the data that depends on them.
 void add_constraints(Model& model) {
     const std::vector<Vec3>& rest = model.positions_rest;
     model.triangles = triangulate(model.solved, rest);

@@ -16,8 +16,8 @@
 namespace rumple::wrinkle_mesh {
 namespace {
 
-// Of an edge: a fold of five of them, whose cloth is a tenth longer than its base, misses less. What misses
-// more is a kink in a joint that skinning has crushed.
+// Limit of missed_by_limit() / edge. A fold that is five edges wide, with cloth a tenth longer than its base,
+// needs less. A larger value comes from a kink in a joint that skinning has crushed.
 constexpr float kMostMissed = 1.0f / 7.0f;
 
 std::vector<Vec3> differences(std::span<const Vec3> to, std::span<const Vec3> from) {
@@ -30,7 +30,7 @@ void add(std::span<Vec3> positions, std::span<const Vec3> displacements) {
     for_each_index(positions.size(), kLeastSteps, [&](size_t v) { positions[v] += displacements[v]; });
 }
 
-// Where a layer has its vertices, without folds of its own, over positions of the base or of the layer below.
+// The vertices of a layer without its own folds, over positions of the base or of the layer below.
 std::vector<Vec3> attached_over(const Model& layer, std::span<const Vec3> below) {
     std::vector<Vec3> out(layer.attached.size());
     attach(layer.base, layer.attachments, weld_positions(layer.base, below), {}, out);
@@ -44,10 +44,11 @@ std::vector<Vec3> unwrinkled_over(const Layers& layers, std::span<const Vec3> ba
     return out;
 }
 
-// What layers see of how the base is strained, of its vertices as the artist has them; then of every layer.
+// The strain of the base that layers need: first at its vertices as the artist has them, then at the vertices
+// of each layer.
 struct BaseStrain {
     std::vector<SpareCloth> spare;     // empty: folds along any line
-    std::vector<GuidedStrain> guided;  // empty: no directions are asked for
+    std::vector<GuidedStrain> guided;  // empty: no painted directions
 
     BaseStrain(const Layers& layers, std::span<const Vec3> positions, float radius, const GuideLines* guide) {
         const Surface& base = layers.base;
@@ -62,14 +63,14 @@ struct BaseStrain {
         for (const Index w : base.welded_of) spare.push_back(of_welded[w]);
     }
 
-    // On the vertices of the next layer.
+    // Interpolates to the vertices of the next layer.
     void carry_to(const Model& layer, Pose& pose) {
         if (!spare.empty()) pose.spare = spare = carry(layer, std::span<const SpareCloth>(spare));
         if (!guided.empty()) pose.guided = guided = carry(layer, std::span<const GuidedStrain>(guided));
     }
 };
 
-// How far the next layer may go inwards: what the vertices of this one have left.
+// How far the next layer may move inwards: what is left after the movement of this layer's vertices.
 std::vector<float> gap_left(const Pose& pose, std::span<const Vec3> solved) {
     std::vector<float> gap(pose.gap.size());
     for_each_index(gap.size(), kLeastSteps, [&](size_t v) {
@@ -79,8 +80,8 @@ std::vector<float> gap_left(const Pose& pose, std::span<const Vec3> solved) {
     return gap;
 }
 
-// Corrects displacements of solved vertices that would go into what is below or in front. A surface lies
-// between its vertices: where those stay out, it does. gap: of gap_left(), or none.
+// Corrects displacements of solved vertices that would enter a surface below or in front. This is enough for
+// the surface between the vertices. gap: from gap_left(), or none.
 void keep_outside(const Pose& pose, std::span<const float> gap, std::span<Vec3> displacements) {
     for_each_index(displacements.size(), kLeastSteps, [&](size_t v) {
         Vec3& displacement = displacements[v];
@@ -92,7 +93,8 @@ void keep_outside(const Pose& pose, std::span<const float> gap, std::span<Vec3> 
     });
 }
 
-// Of the base's vertices -> of those that its layer solves: the welded ones that a polygon has.
+// Converts values of the base's vertices to the vertices that its layer solves: the welded vertices of
+// polygons.
 std::vector<Index> hints_of_solved(const Surface& base, std::span<const Index> hint) {
     std::vector<bool> used(base.welded.vertex_count, false);
     for (const Index w : base.welded.corner_vertex) used[w] = true;
@@ -102,20 +104,20 @@ std::vector<Index> hints_of_solved(const Surface& base, std::span<const Index> h
     return out;
 }
 
-// The input of a layer: first that of the frame, then what the layer below leaves.
+// The input of a layer: first the input of the frame, then the results of the layer below.
 class LayerInput {
   public:
-    // The base mesh is a cage around its smooth surface, which only the gap knows: bodies are for the layers
-    // on it.
+    // The base mesh is a cage around its smooth surface, and only the gap accounts for this surface. So only
+    // the layers on it use bodies.
     explicit LayerInput(const Input& input) : input_(input), bodies_(input.bodies) {
         input_.bodies = nullptr;
     }
 
     const Input& input() const { return input_; }
 
-    // Becomes that of the next layer, on the solved positions of one. pose: as this one was solved in it,
-    // with its contacts. base: its base. missed_by_limit: missed_by_limit() of the solved positions.
-    // finest: whether the next one is.
+    // Becomes the input of the next layer, from the solved positions of this one. pose: the pose in which
+    // this layer was solved, with its contacts. base: its base. missed_by_limit: missed_by_limit() of the
+    // solved positions. finest: whether the next layer is the finest.
     void go_on(const Surface& base, const Pose& pose, std::vector<Vec3> solved,
                std::vector<Vec3> missed_by_limit, bool finest) {
         gap_ = gap_left(pose, solved);
@@ -143,12 +145,11 @@ class LayerInput {
     std::vector<Index> body_hint_;
 };
 
-// Where the layer below looked for something in front of it, within a wider reach, and found nothing: there
-// the next layer need not look. Per vertex; empty before the first layer.
+// Marks vertices for which the layer below searched with a larger reach and found nothing in front. The next
+// layer need not search there. Per vertex; empty before the first layer.
 class NothingInReach {
   public:
-    // Called once for every layer, coarse first. Nothing is in reach of a vertex where nothing was of all
-    // corners of the triangle that it lies on.
+    // Called once for every layer, coarse first. A vertex is marked if all corners of its triangle were.
     void go_on(const Model& layer) {
         const std::vector<std::uint8_t> below = std::move(nothing_);
         nothing_.assign(layer.attached.size(), 0);
@@ -165,8 +166,8 @@ class NothingInReach {
     std::vector<std::uint8_t> nothing_;
 };
 
-// How far a layer looks for what bounds it, object units: a share of that is its radius. 0 where it cannot
-// go.
+// The search distance of a layer, object units. Its attachment radius is the share `apart` of it. 0 if the
+// vertex cannot move.
 std::vector<float> reaches(const Model& layer, const Settings& settings, const Paint& paint) {
     std::vector<float> reach = attachment_radii(layer, settings, paint);
     for (float& r : reach) r *= settings.apart > 0.0f ? 1.0f / settings.apart : 0.0f;
@@ -190,8 +191,8 @@ void find_self_contacts(const SelfContactMesh& mesh, const Model& layer, const S
     }
 }
 
-// What of a body is ahead bounds a vertex as its own cloth does, but for the share: a body does not give
-// way. It takes the place of the contact that find_self_contacts() found where it is nearer.
+// A body in front bounds a vertex like its own cloth. The share `apart` is not applied, because a body does
+// not move away. If it is nearer, it replaces the contact of find_self_contacts().
 void look_ahead(const PosedCollider& bodies, const Model& layer, const Settings& settings, const Paint& paint,
                 float thickness, NothingInReach& nothing, Pose& pose) {
     nothing.go_on(layer);
@@ -216,7 +217,7 @@ void check_counts(const Layers& layers, size_t settings, size_t paint) {
     expect_count("paint", paint, layers.layers.size(), "layers");
 }
 
-// What the layers ask for; 0 where one of them leaves it to the size.
+// The largest number of threads that the layers ask for; 0 if one of them leaves it to the size.
 int most_threads(std::span<const Settings> settings) {
     int most = 1;
     for (const Settings& of_layer : settings) {
@@ -273,7 +274,7 @@ std::shared_ptr<const Layers> build_layers(Surface base, Index levels, Index dis
         source.most_vertices = most_vertices;
         Surface on = level > 0 ? solved_surface(*out->layers.back()) : out->base;
         if (level > 0) fine = compose(refine_subdivision(on.welded, 1), fine);
-        // The base mesh is what its surface is subdivided from: it stays where it is.
+        // The base mesh is the cage of the subdivision, so its vertices keep their places.
         const AttachmentKind kind = level > 0 ? AttachmentKind::kLimit : AttachmentKind::kLinear;
         out->layers.push_back(build(std::move(on), source, kind, 0));
     }
@@ -311,12 +312,12 @@ LayersState activated(const LayersState& state) {
 
 LayersState solve(const Layers& layers, std::span<const Settings> settings, std::span<const Paint> paint,
                   const Input& input, const LayersState* state, std::vector<Report>& reports) {
-    // Every layer, coarse first, in this order:
-    // - Its pose, over the input that the layer below left; then what it sees of the base without folds.
-    // - What faces it of the cloth, and then of bodies in front, which takes the place of what is farther.
+    // For every layer, coarse first, in this order:
+    // - Its pose, from the input that the layer below left; then the strain of the base without folds.
+    // - Contacts with its own cloth, and then with bodies in front, which replace farther contacts.
     // - The solve in this pose.
-    // - The input of the next layer: the solved positions, moved on by what the limit surface misses of them,
-    //   but not into what the pose has below or in front.
+    // - The input of the next layer: the solved positions, corrected by missed_by_limit(), but not into the
+    // surfaces below or in front.
     check_counts(layers, settings.size(), paint.size());
     if (input.bodies)
         expect_count("body_hint", input.body_hint.size(), layers.layers[0]->base.display.vertex_count,

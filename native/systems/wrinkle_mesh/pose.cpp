@@ -14,7 +14,7 @@
 namespace rumple::wrinkle_mesh {
 namespace {
 
-// From vertex a to vertex b of pairs [first, first + count).
+// Vectors from vertex a to vertex b of pairs [first, first + count).
 Vec3Lanes ways_along(const Pairs& pairs, const std::vector<Row>& rows, size_t first, size_t count) {
     std::array<Row, kLanes> way;
     for (size_t k = 0; k < count; ++k)
@@ -22,7 +22,7 @@ Vec3Lanes ways_along(const Pairs& pairs, const std::vector<Row>& rows, size_t fi
     return columns(way);
 }
 
-// s of pairs on a base that is nowhere taut.
+// The value of s for pairs on a base that is not taut.
 Lanes most_pre_stretch(const Settings& settings, const Lanes& paint) {
     return all_lanes(1.0f) + (settings.prestretch - 1.0f) * paint;
 }
@@ -31,9 +31,10 @@ Lanes mix(const Lanes& from, const Lanes& to, const Lanes& share) {
     return from * (all_lanes(1.0f) - share) + to * share;
 }
 
-// s of pairs that go such a way on the base without folds. Cloth that is pulled taut has nothing to spare
-// along the pull, and folds across it (tension field theory: Wagner 1929): where the base is taut along the
-// pair, s is what the base has itself; where its own weight pulls the cloth, too, and no less than 1.
+// The value of s for pairs with this vector on the base without folds. Cloth that is pulled taut has no
+// length to spare along the pull, and folds across it (tension field theory: Wagner 1929). So if the base is
+// taut along a pair, s is at most Settings::slack. Along the direction in which its own weight pulls the
+// cloth, s is at most the stretch of the base, or 1 if this is more.
 Lanes pre_stretch(const Settings& settings, const Lanes& paint, const Vec3Lanes& way, const Lanes& rest) {
     const Lanes one = all_lanes(1.0f), shortest = all_lanes(kShortestEdge),
                 length = square_root(dot(way, way));
@@ -46,7 +47,7 @@ Lanes pre_stretch(const Settings& settings, const Lanes& paint, const Vec3Lanes&
     return mix(taut, least(most(strain, one), taut), hanging * hanging);
 }
 
-// Four of the numbers of a tensor.
+// Four consecutive numbers of a tensor.
 Lanes four_of(const Tensor3& tensor, size_t first) {
     static_assert(sizeof(Tensor3) == 6 * sizeof(float));
     Lanes out;
@@ -54,7 +55,7 @@ Lanes four_of(const Tensor3& tensor, size_t first) {
     return out;
 }
 
-// v . T v, of the means of a tensor at both ends of pairs.
+// v . T v, for the mean of a tensor at both ends of each pair.
 Lanes quadratic_of(const Pairs& pairs, const std::vector<SpareCloth>& spare, Tensor3 SpareCloth::*which,
                    const Vec3Lanes& v, size_t first, size_t count) {
     std::array<Row, kLanes> diagonal, off_diagonal;
@@ -68,7 +69,7 @@ Lanes quadratic_of(const Pairs& pairs, const std::vector<SpareCloth>& spare, Ten
     return dot(columns(diagonal), squares) + 2.0f * dot(columns(off_diagonal), products);
 }
 
-// SpareCloth::share_without_place() of folds across pairs.
+// SpareCloth::share_without_place() for folds across pairs.
 Lanes share_without_place(const Pairs& pairs, const std::vector<SpareCloth>& spare, const Vec3Lanes& way,
                           size_t first, size_t count) {
     const Lanes zero{};
@@ -77,9 +78,8 @@ Lanes share_without_place(const Pairs& pairs, const std::vector<SpareCloth>& spa
     return whole > zero ? within(part / whole, zero, all_lanes(1.0f)) : zero;
 }
 
-// The length that pairs are asked to keep in this pose. The paper asks for s l0
-// always; we give in to a part of the stretch of the base and to a small compression, and make no more cloth
-// from a collapsed base than a limit allows, over the base's length.
+// The target length of pairs in this pose. In the paper it is always s l0. Here it follows a part of the
+// base's stretch and a small compression. If the base collapses, it is limited relative to the base's length.
 Lanes target_length(const Settings& settings, const Lanes& limit, const Lanes& s, const Lanes& rest,
                     const Lanes& at_attachments) {
     Lanes target = s * rest;
@@ -88,14 +88,16 @@ Lanes target_length(const Settings& settings, const Lanes& limit, const Lanes& s
     return least(limit * at_attachments, target);
 }
 
-// In thicknesses: cloth that is so far above what is worn under it has all that it is cut wider to fold.
+// Unit: thicknesses. If cloth is this far above the surface worn under it, all of its extra width is
+// available for folds.
 constexpr float kRoomToSpare = 3.0f;
 
-// A body is looked for within so many fine edges around a vertex.
+// Unit: fine edges. A body is searched within this distance around a vertex.
 constexpr float kBodyReach = 2.0f;
 
-// How far a vertex may go inwards over a body; `unknown` where the body says nothing. A border of the body
-// stays below the cloth between its vertices: within an edge of it, as over skin; farther away at 45 degrees.
+// How far a vertex may move inwards over a body; `unknown` if the body gives no bound. A border of the body
+// must stay below the cloth between its vertices. Within an edge of the border the bound is as over skin;
+// farther away it falls at 45 degrees.
 float gap_above(const BodyContact& body, float thickness, float edge, float unknown) {
     const float above = body.distance - thickness;
     if (!body.border) return glm::mix(unknown, above, body.weight);
@@ -103,16 +105,16 @@ float gap_above(const BodyContact& body, float thickness, float edge, float unkn
     return glm::mix(unknown, cone, smooth_step(-edge, -0.5f * edge, body.distance));
 }
 
-// Cosine between cloth and body: beyond that a vertex does not go out farther for it.
+// Least cosine between cloth and body. At a smaller one, a vertex does not move out any farther.
 constexpr float kMostAslant = 0.5f;
 
-// Of the thickness: how far what is shown may sink between its vertices, and still be off a body.
+// Share of the thickness: how much lower the shown surface may be between vertices and still be off a body.
 constexpr float kMostSunk = 0.5f;
 
-// Vertices that are off a body are not enough: the surface between them goes into what is convex. On a body
-// two vertices of radius R, turned by the angle t, have the middle of their side R t^2 / 8 lower, and the
-// smooth surface is lower than its vertices by R t^2 / 6. What of that is above half of the thickness is
-// added to their distance.
+// If vertices are off a convex body, the surface between them may still enter it. On a body of radius R, the
+// middle of the side between two vertices at an angle t is lower by R t^2 / 8, and the smooth surface is
+// lower than its vertices by R t^2 / 6. The part of it above half of the thickness is added to the vertices'
+// distance.
 void lower_gaps_of_surface(const Model& model, float thickness, Pose& pose) {
     std::vector<float> sunk(pose.attachment.size(), 0.0f);
     for_each_pair(model.distance, [&](size_t, Index a, Index b) {
@@ -124,7 +126,7 @@ void lower_gaps_of_surface(const Model& model, float thickness, Pose& pose) {
     for (size_t v = 0; v < sunk.size(); ++v) pose.gap[v] -= std::max(sunk[v] - kMostSunk * thickness, 0.0f);
 }
 
-// How far every vertex may go inwards. Attachments inside a body are put out of it first.
+// How far every vertex may move inwards. Attachments inside a body are first moved out of it.
 void find_gaps(const Model& model, const Input& input, Pose& pose) {
     if (input.gap.empty()) return;
     expect_count("gap", input.gap.size(), model.base.display.vertex_count, "values");
@@ -149,7 +151,8 @@ void find_gaps(const Model& model, const Input& input, Pose& pose) {
                                              interpolate(model.base, place, model.base.positions_rest));
             if (body.triangle != kNone) gap = gap_above(body, off, model.local_edge[v], gap);
             pose.body[v] = body.triangle;
-            // Cloth that slides over a heel would go into it behind a plane of its own.
+            // The normal of the body replaces the cloth's own normal. Otherwise cloth that slides over a heel
+            // would enter it.
             if (body.triangle != kNone && !body.border)
                 pose.floor[v] = glm::normalize(glm::mix(pose.normal[v], body.normal, body.weight));
         }
@@ -159,8 +162,9 @@ void find_gaps(const Model& model, const Input& input, Pose& pose) {
     const bool only_look = input.bodies && input.shown && !input.looked_below;
     for_each_index(pose.attachment.size(), kLeastSteps, [&](size_t v) {
         const float gap = pose.gap[v];
-        // A gap is measured off the body, and cloth may go out aslant: it goes farther then, unless the next
-        // layer looks again, or this one is nearly out.
+        // A gap is measured along the body's normal, but cloth may move out in another direction, and then it
+        // moves farther. This is not needed if the next layer searches again, or if the layer below was
+        // already put out of bodies.
         const float out = only_look ? std::max(glm::dot(pose.normal[v], pose.floor[v]), kMostAslant) : 1.0f;
         if (gap < 0.0f) pose.attachment[v] -= gap / out * pose.normal[v];
         pose.gap[v] = std::max(gap, 0.0f);
@@ -287,7 +291,7 @@ std::vector<float> attachment_radii(const Model& model, const Settings& settings
     std::vector<float> radii(model.local_edge.size());
     for_each_index(radii.size(), kLeastSteps, [&](size_t v) {
         const float fade = hem_fade(model.border_ring[v], settings.hem_rings);
-        // Paint that was carried to a finer mesh may be a rounding below 0.
+        // Paint that was interpolated to a finer mesh may be slightly below 0 by rounding.
         radii[v] = settings.radius * model.local_edge[v] * std::max(painted(paint.radius, v), 0.0f) * fade;
     });
     return radii;
@@ -326,8 +330,8 @@ Targets make_targets(const Model& model, const Settings& settings, const Paint& 
         if (paint.worn.empty()) return worn;
         return mix(all_lanes(settings.free_compression_limit), worn, both(paint.worn, pairs, first, count));
     };
-    // Cloth that is cut wider is so only where it has room, and not where it hangs free, for it has enough
-    // there.
+    // The extra width of cloth counts only where there is room for it. It does not count in cloth that hangs
+    // free, which has enough width there.
     const auto spare_at = [&](const Pairs& pairs, size_t first, size_t count) {
         if (settings.prestretch <= 1.0f) return all_lanes(1.0f);
         return both(pose.to_spare, pairs, first, count) * both(paint.worn, pairs, first, count);
@@ -373,7 +377,7 @@ LengthError length_error(std::span<const float> target, std::span<const float> l
         const Lanes difference = load_lanes(&lengths[first], count) - wanted;
         const Lanes relative = most(difference, -difference) / most(wanted, shortest);
         for (size_t k = 0; k < count; ++k) {
-            if (wanted[k] < kShortestEdge) continue;  // a collapsed pair asks for nothing
+            if (wanted[k] < kShortestEdge) continue;  // a collapsed pair has no target
             sum += double(relative[k]) * relative[k];
             error.largest = std::max(error.largest, relative[k]);
         }

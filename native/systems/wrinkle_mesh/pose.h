@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// One frame of the base as the solver of the Wrinkle Mesh sees it. For this system
-// and for the handles of the library.
+// One frame of the base for the solver of the Wrinkle Mesh. Used by this system and by the handles of the
+// library.
 #pragma once
 
 #include <optional>
@@ -15,27 +15,27 @@
 
 namespace rumple::wrinkle_mesh {
 
-// The deformed base and the attachments of one frame.
+// The deformed base and the attachments in one frame.
 struct Pose {
     std::vector<Vec3> base;  // welded vertices
     std::vector<Vec3> base_normals;
     std::vector<TriangleFrame> frames;  // per base triangle
     std::vector<Vec3> attachment;       // a_i
-    std::vector<Vec3> unwrinkled;       // where layers without folds would have them; empty: no layers
+    std::vector<Vec3> unwrinkled;       // attachments of layers without folds; empty: no layers
     std::vector<SpareCloth> spare;      // of the base, at the attachments; empty: folds along any line
-    std::vector<float> to_spare;        // 0..1: what of the pre-stretch is there to fold; empty: all of it
-    std::vector<GuidedStrain> guided;   // of the base, at the attachments; empty: no directions are asked for
+    std::vector<float> to_spare;        // 0..1: usable share of the pre-stretch; empty: all of it
+    std::vector<GuidedStrain> guided;   // of the base, at the attachments; empty: no painted directions
     std::vector<Vec3> normal;           // interpolated base normals at the attachments, unit or zero
-    std::vector<Vec3> floor;            // unit: off what is worn under each; empty: the normals
-    std::vector<float> gap;             // how far each may go inwards, object units, >= 0; empty: no limit
+    std::vector<Vec3> floor;            // unit: away from what is worn under each; empty: the normals
+    std::vector<float> gap;             // how far each may move inwards, object units, >= 0; empty: no limit
     std::vector<Index> body;            // the triangle of a body near each, or kNone; empty: no bodies
-    // What of the cloth itself, or of a body in front, faces each attachment; empty: no bound.
+    // The part of the cloth itself, or of a body in front, that faces each attachment; empty: no bound.
     std::vector<SelfContactSide> self_contact;
     std::vector<float> heights;  // PosedSelfContactMesh::heights() at the attachments; empty: no bound
     Index collapsed = 0;
 };
 
-// Values of the base's vertices (as the artist has them) -> solved vertices.
+// Converts values of the base's vertices (as the artist has them) to solved vertices.
 template <typename Value>
 std::vector<Value> carry(const Model& model, std::span<const Value> base_values) {
     std::vector<Value> out(model.attachments.places.size());
@@ -50,23 +50,23 @@ std::vector<Value> carry(const Model& model, std::span<const Value> base_values)
     return out;
 }
 
-// Below so many solved vertices a frame takes a millisecond or two on one thread.
+// With fewer solved vertices a frame takes a millisecond or two on one thread.
 constexpr size_t kVerticesForTeam = 3'000;
 
-// Of a frame of this model. threads: as Settings and Input have it.
+// The team for a frame of this model. threads: as in Settings and Input.
 SolveTeam team_for(const Model& model, int threads);
 
-// Throws InvalidInput when positions do not match the model or are not finite.
+// Throws InvalidInput if positions do not match the model or are not finite.
 Pose make_pose(const Model& model, const Input& input);
 
-// Of the base's vertices: Pose::to_spare. Where a body is known under the cloth and it lies on that, its
-// width is that of the body; what it is cut wider hangs where there is room. Empty without bodies.
+// Pose::to_spare at the base's vertices. If cloth lies on a known body, its width is the width of the body,
+// and the extra width hangs where there is room. Empty without bodies.
 std::vector<float> share_to_spare(const Input& input);
 
-// The pose of a single mesh with the directions that are painted; none where none are.
+// The pose of a single mesh with the painted directions; none without painted directions.
 std::optional<Pose> guided_pose(const Model& model, const Paint& paint, const Pose& pose);
 
-// What a frame is asked for, with its pose, that make_pose() made of `input`.
+// Solves a frame with its pose, which make_pose() made from `input`.
 State solve_pose(const Model& model, const Settings& settings, const Paint& paint, const Input& input,
                  const Pose& pose, const State* state, Report& report);
 State solve_pose_in_order(const Model& model, const Settings& settings, const Paint& paint,
@@ -80,16 +80,15 @@ Measures measure_pose(const Model& model, const Settings& settings, const Paint&
 std::vector<Vec3> solved_positions(const Model& model, const Settings& settings, const Input& input,
                                    const Pose& pose, const State& state);
 
-// Throw InvalidInput when they are of another model.
+// Throws InvalidInput if the argument belongs to another model.
 void check(const Model& model, const Paint& paint);
 void check(const Model& model, const State& state);
 
-// A triangle's frame tilted onto the interpolated normal, so that what rides in
-// it does not jump from triangle to triangle. The triangle's own frame where
-// the normal is lost; zero where the triangle has collapsed.
+// A triangle's frame tilted to the interpolated normal, so that vectors in it do not jump from triangle to
+// triangle. If the normal is not defined: the triangle's own frame. Zero if the triangle has collapsed.
 TriangleFrame smooth_frame(const TriangleFrame& triangle, const Vec3& interpolated_normal);
 
-// An offset of object space, as State stores it, and back.
+// Converts offsets between object space and the form that State stores.
 class OffsetFrames {
   public:
     OffsetFrames(const Model& model, const Settings& settings, const Input& input, const Pose& pose);
@@ -104,16 +103,16 @@ class OffsetFrames {
     glm::mat3 object_from_world_;
 };
 
-// A painted factor: 1 where nothing was painted.
+// A painted factor; 1 without paint.
 inline float painted(const std::vector<float>& paint, size_t v) {
     return paint.empty() ? 1.0f : paint[v];
 }
 
-// Fewer blocks are done before another thread has begun.
+// With fewer blocks the work is done before another thread has started.
 constexpr size_t kLeastBlocks = 4;
 
-// act(begin, end) for the pairs of every group, all of which a thread does in their order. What it changes of
-// the vertices of its pairs no other thread touches meanwhile.
+// Calls act(begin, end) for the pairs of every group. One thread does a whole group in order. It may change
+// the vertices of its pairs, because no other thread uses them meanwhile.
 template <typename Act>
 void for_each_group(const Pairs& pairs, const Act& act) {
     for (const size_t between : {0, 1}) {
@@ -124,7 +123,7 @@ void for_each_group(const Pairs& pairs, const Act& act) {
         });
     }
 }
-// The same one by one: act(pair, vertex a, vertex b).
+// The same for each pair: act(pair, vertex a, vertex b).
 template <typename Act>
 void for_each_pair(const Pairs& pairs, const Act& act) {
     for_each_group(pairs, [&](size_t begin, size_t end) {
@@ -135,30 +134,30 @@ void for_each_pair(const Pairs& pairs, const Act& act) {
 // r_i (section 3.1), object units: relative to the local edge, painted, faded at hems.
 std::vector<float> attachment_radii(const Model& model, const Settings& settings, const Paint& paint);
 
-// Length of every pair. rows: of to_rows() of the positions.
+// The length of every pair. rows: from to_rows() of the positions.
 std::vector<float> pair_lengths(const Pairs& pairs, const std::vector<Row>& rows);
 
-// The same of distance pairs, then bending. Empty positions: empty.
+// The same for distance pairs, then bending pairs. Without positions the result is empty.
 std::vector<float> pair_lengths(const Model& model, std::span<const Vec3> positions);
 
-// Where the pairs lie on the base. Cost: O(pairs).
+// The places of the pairs on the base. Cost: O(pairs).
 Adaptive place_pairs(const Model& model);
 
-// The rest shape's state of this frame: empty for a static one. Throws InvalidInput as solve() does.
+// The state of the rest shape in this frame; empty for a static one. Throws InvalidInput like solve().
 ReferenceState adapt_rest(const Model& model, const Settings& settings, const Input& input, const Pose& pose,
                           const State* before);
 
-// By how much the rest length of every pair e is scaled; empty, which means 1, for an empty reference and no
-// directions that are asked for (GuidedStrain::rest_scale()). From the rest pose: |F e| / |e|, F from rest to
-// reference. Without one (kFirstFrame) the rest pose's lengths mean nothing: the length in this pose times
-// |F e| / |F' e|, F' from rest to this pose. lengths: pair_lengths() of the attachments.
+// Factors on the rest length of every pair e. Empty, which means 1, without a reference and without painted
+// directions (GuidedStrain::rest_scale()). If there is a rest pose: |F e| / |e|, F from rest to reference. If
+// there is none (kFirstFrame), lengths in the rest pose mean nothing, so the rest length is the length in
+// this pose times |F e| / |F' e|, F' from rest to this pose. lengths: pair_lengths() of the attachments.
 std::vector<float> rest_scales(const Model& model, const Settings& settings, const ReferenceState& reference,
                                const Pose& pose, std::span<const float> lengths);
 inline float scale_of(const std::vector<float>& scales, size_t pair) {
     return scales.empty() ? 1.0f : scales[pair];
 }
 
-// What every pair is asked for in this pose, of its lengths at the attachments.
+// The targets of every pair in this pose, from its lengths at the attachments.
 struct Targets {
     std::vector<float> distance;
     std::vector<float> bending;
@@ -174,7 +173,7 @@ struct LengthError {
     float largest = 0.0f;
 };
 
-// target, lengths: one of each for every pair.
+// target, lengths: one of each per pair.
 LengthError length_error(std::span<const float> target, std::span<const float> lengths);
 
 }  // namespace rumple::wrinkle_mesh

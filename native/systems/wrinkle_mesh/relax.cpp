@@ -12,7 +12,7 @@
 namespace rumple::wrinkle_mesh {
 namespace {
 
-// Equations (3) to (5), scaled with a stiffness.
+// Equations (3) to (5), multiplied by a stiffness.
 inline void project_pair(Row& p1, Row& p2, float target, float stiffness) {
     const Row difference{p2.xyz - p1.xyz};
     const float length = square_root(dot(difference, difference));
@@ -22,7 +22,7 @@ inline void project_pair(Row& p1, Row& p2, float target, float stiffness) {
     p2.xyz -= half;
 }
 
-// The same for pairs that share no vertex.
+// The same for four pairs that share no vertex.
 inline void project_four(const Index* a, const Index* b, const Lanes& target, const Lanes& stiffness,
                          std::span<Row> positions) {
     std::array<Row, kLanes> difference;

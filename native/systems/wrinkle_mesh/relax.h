@@ -9,13 +9,13 @@
 
 namespace rumple::wrinkle_mesh {
 
-// Gauss-Seidel (section 4.1): all blocks of rows, then what lies between two of them, each colour by colour.
-// What is swept at the same time shares no vertex, so neither the number of threads nor how many pairs are
-// projected at a time can change a bit.
+// Gauss-Seidel (section 4.1): first within all blocks of rows, then between consecutive blocks, each colour
+// by colour. Pairs that are swept at the same time share no vertex. So neither the number of threads nor the
+// number of pairs per step changes a bit.
 void relax_by_blocks(const Model& model, const Targets& targets, const Bounds& bounds, int iterations,
                      std::span<Vec3> positions);
 
-// The printed solver: every constraint in turn, by the vertices it joins, on one thread.
+// The solver as in the paper: every constraint in turn, in the order of its vertices, on one thread.
 void relax_in_order(const Model& model, const Targets& targets, const Bounds& bounds, int iterations,
                     std::span<Vec3> positions);
 

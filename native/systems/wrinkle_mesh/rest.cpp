@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A rest shape that adapts: the rest length of every pair from the reference triangles it lies in. Not in the
-// paper; the reference is chapter 4 of Gillette 2015 (surface/strain/adaptive_reference.h).
+// A rest shape that adapts. The rest length of every pair comes from the reference triangles in which it
+// lies. Not in the paper; the reference is chapter 4 of Gillette 2015 (surface/strain/adaptive_reference.h).
 #include <algorithm>
 #include <cmath>
 
@@ -10,10 +10,10 @@
 namespace rumple::wrinkle_mesh {
 namespace {
 
-// Unit: none (barycentric weight). A place nearer to an edge of its triangle lies on the edge.
+// Unit: none (barycentric weight). A place that is closer to an edge of its triangle lies on the edge.
 constexpr float kOnEdge = 1e-4f;
 
-// The triangles that a place lies in: one, two on an edge, all around a vertex; ascending.
+// The triangles of a place: one inside, two on an edge, all around a vertex. Ascending.
 class TrianglesAt {
   public:
     TrianglesAt(const TriangleNet& net, Index vertices) : net_(net), around_(size_t(vertices)) {
@@ -46,8 +46,8 @@ bool are_neighbours(const TriangleNet& net, Index t, Index other) {
     return false;
 }
 
-// The triangles that both ends lie in: one, or two where the pair lies along their edge. Else two neighbours
-// that it crosses between. Else, for a pair that reaches farther, those that its ends are bound to.
+// The triangles that contain both ends: one, or two if the pair lies along their edge. Otherwise two
+// neighbours between which it crosses. Otherwise, for a longer pair, the triangles of its ends.
 std::array<Index, 2> triangles_of_pair(const TriangleNet& net, const std::vector<Index>& at_a,
                                        const std::vector<Index>& at_b, std::array<Index, 2> bound) {
     std::vector<Index> both;
@@ -66,7 +66,7 @@ float square_of(const Tensor2& metric, const Vec2& e) {
     return metric.xx * e.x * e.x + 2.0f * metric.xy * e.x * e.y + metric.yy * e.y * e.y;
 }
 
-// F^T F of all triangles from their shape at rest.
+// F^T F of all triangles relative to their shape at rest.
 std::vector<Tensor2> metrics_of(const Model& model, const std::vector<FlatTriangle>& shapes) {
     std::vector<Tensor2> metrics;
     for (size_t t = 0; t < shapes.size(); ++t)
@@ -74,7 +74,7 @@ std::vector<Tensor2> metrics_of(const Model& model, const std::vector<FlatTriang
     return metrics;
 }
 
-// How much longer every pair is in some shapes of the triangles than in others.
+// Length of every pair in `some` shapes of the triangles / its length in others.
 std::vector<float> longer(const Model& model, const std::vector<Tensor2>& some,
                           const std::vector<Tensor2>& others) {
     std::vector<float> out;
@@ -133,7 +133,7 @@ std::vector<float> scales_of_reference(const Model& model, const Settings& setti
     const std::vector<FlatTriangle>& rest = model.adaptive->triangles.rest;
     if (settings.rest.reference != Reference::kFirstFrame)
         return longer(model, metrics_of(model, reference.reference), metrics_of(model, rest));
-    // Nothing is known of a triangle that has no area in either.
+    // A triangle without area in either shape counts as unchanged.
     std::vector<FlatTriangle> then = reference.reference,
                               now = flat_pose(model.adaptive->triangles.net, pose.base).shapes;
     for (size_t t = 0; t < now.size(); ++t) {
@@ -149,7 +149,7 @@ std::vector<float> scales_of_reference(const Model& model, const Settings& setti
     return scales;
 }
 
-// What lies along the way of a pair, without folds, as the directions that are asked for have it.
+// Scales pairs by their vectors without folds, for the painted directions.
 void scale_by_guides(const Model& model, const Pose& pose, std::vector<float>& scales) {
     if (pose.guided.empty()) return;
     const std::vector<Vec3>& at = pose.unwrinkled.empty() ? pose.attachment : pose.unwrinkled;

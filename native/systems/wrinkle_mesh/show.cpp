@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What a solved frame looks like, and how good it is.
+// The shown mesh of a solved frame, and measures of its quality.
 #include <algorithm>
 
 #include "systems/wrinkle_mesh/pose.h"
@@ -8,7 +8,7 @@ namespace rumple::wrinkle_mesh {
 
 namespace {
 
-// Area of the solved mesh over rest area, where the base is compressed.
+// Area of the solved mesh / rest area, in compressed triangles of the base.
 float compressed_area(const Model& model, std::span<const Vec3> base, std::span<const Vec3> positions) {
     const auto area = [](std::span<const Vec3> p, Index a, Index b, Index c) {
         return double(glm::length(glm::cross(p[b] - p[a], p[c] - p[a])));

@@ -17,9 +17,9 @@
 namespace rumple::wrinkle_mesh {
 namespace {
 
-// How much of a new solution every vertex takes: 0 where the base has kept its
-// shape since it was last solved, so that a held pose stays to the bit and a
-// standing leg does not creep because the arm moves. lengths: as State::solved_length has them.
+// The share of a new solution that every vertex takes. It is 0 where the base has kept its shape since it was
+// last solved. So a held pose stays exactly the same, and a standing leg does not creep while the arm moves.
+// lengths: as in State::solved_length.
 std::vector<float> activity(const Model& model, std::span<const float> lengths, const State& state) {
     std::vector<float> active(model.attached.size(), 0.0f);
     const Lanes shortest = all_lanes(kShortestEdge);
@@ -42,7 +42,7 @@ std::vector<float> activity(const Model& model, std::span<const float> lengths, 
     };
     take_changed(model.distance, 0);
     take_changed(model.bending, model.distance.size());
-    // A solved vertex takes its neighbours along by half: no hard border between held and solved.
+    // A solved vertex moves its neighbours by half, so that there is no hard border between held and solved.
     std::vector<float> spread = active;
     for_each_pair(model.distance, [&](size_t, Index a, Index b) {
         spread[a] = std::max(spread[a], 0.5f * active[b]);
@@ -51,9 +51,9 @@ std::vector<float> activity(const Model& model, std::span<const float> lengths, 
     return spread;
 }
 
-// A flat sheet under compression is in (unstable) balance: push every vertex
-// that has hardly left its attachment a little along the normal, by how much
-// its edges are compressed. At rest nothing is pushed.
+// A flat sheet under compression is in an unstable equilibrium. So vertices that have hardly left their
+// attachment are pushed a little along the normal, by an amount that grows with the compression of their
+// edges. At rest nothing is pushed.
 void perturb_unbuckled(const Model& model, const Settings& settings, const Pose& pose,
                        std::span<const float> lengths, const Targets& targets, std::span<Vec3> positions) {
     if (settings.nudge <= 0.0f) return;
@@ -63,7 +63,7 @@ void perturb_unbuckled(const Model& model, const Settings& settings, const Pose&
         for (const Index v : {a, b}) compression[v] = std::max(compression[v], c);
     });
     for_each_index(positions.size(), kLeastSteps, [&](size_t v) {
-        const float full_at = 0.1f;  // a tenth of compression gets the whole push
+        const float full_at = 0.1f;  // from a compression of a tenth on the push is full
         const float size = settings.nudge * model.local_edge[v] * std::min(1.0f, compression[v] / full_at);
         if (glm::distance(positions[v], pose.attachment[v]) >= size) return;
         positions[v] += size * noise(settings.seed, static_cast<std::uint32_t>(v)) * pose.normal[v];
@@ -81,15 +81,15 @@ bool fits(const Model& model, const State* state) {
            state->solved_length.size() == model.distance.size() + model.bending.size();
 }
 
-// work(v) for every vertex, in the order in which its bounds lie in memory.
+// Calls work(v) for every vertex, in the order of its bounds in memory.
 template <typename Work>
 void for_each_in_rows(const Model& model, const Work& work) {
     for_each_index(model.vertex_of_row.size(), kLeastSteps,
                    [&](size_t row) { work(size_t(model.vertex_of_row[row])); });
 }
 
-// The share of the new positions that every vertex takes, put back within its
-// bounds: the blend may leave a plane that turned since the frame before.
+// Moves every vertex by its share to the new position, and puts it back within its bounds. The blend may be
+// outside of a plane that has turned since the frame before.
 void blend(const Model& model, const Settings& settings, std::span<const Vec3> before,
            std::span<const float> active, const Bounds& bounds, std::span<Vec3> positions) {
     for_each_in_rows(model, [&](size_t v) {
@@ -99,8 +99,8 @@ void blend(const Model& model, const Settings& settings, std::span<const Vec3> b
     });
 }
 
-// Pairs between held vertices remember the pose they were solved in, so that a
-// slow drift adds up until it is solved.
+// Pairs between held vertices keep the lengths of the pose in which they were solved, so that a slow drift
+// adds up until they are solved.
 void remember_lengths(const Model& model, std::span<const float> active, const State& before,
                       std::vector<float>& lengths) {
     size_t first = 0;
@@ -115,20 +115,20 @@ void remember_lengths(const Model& model, std::span<const float> active, const S
 
 using Relax = void (*)(const Model&, const Targets&, const Bounds&, int, std::span<Vec3>);
 
-// What a frame is solved with.
+// The data with which a frame is solved.
 struct Frame {
     const Model& model;
     const Settings& settings;
     const Pose& pose;
     const State* before;  // of this model, or none
     OffsetFrames offsets;
-    std::vector<float> lengths;  // of the pairs between the attachments
+    std::vector<float> lengths;  // of the pairs, at the attachments
     Targets targets;
-    std::vector<float> active;  // of every vertex: activity(); 1 without a state
+    std::vector<float> active;  // per vertex: activity(); 1 without a state
     Bounds bounds;
 };
 
-// p_i = a_i + o_i (2), with the offsets of the frame before.
+// p_i = a_i + o_i (2), with the offsets from the frame before.
 std::vector<Vec3> start_positions(const Frame& frame) {
     std::vector<Vec3> positions = frame.pose.attachment;
     if (frame.before) {
@@ -139,7 +139,7 @@ std::vector<Vec3> start_positions(const Frame& frame) {
     return positions;
 }
 
-// Moves the vertices that are active. Returns the number of iterations.
+// Moves the active vertices. Returns the number of iterations.
 int relax_active(const Frame& frame, Relax relax, std::span<const Vec3> start, std::span<Vec3> positions) {
     const Settings& settings = frame.settings;
     perturb_unbuckled(frame.model, settings, frame.pose, frame.lengths, frame.targets, positions);
@@ -149,8 +149,9 @@ int relax_active(const Frame& frame, Relax relax, std::span<const Vec3> start, s
     return iterations;
 }
 
-// o_i = p_i - a_i; what was held keeps its bits, unless a plane that turned or a smaller radius pushes it:
-// positions get where that puts it. Returns the number of vertices that are kept apart.
+// o_i = p_i - a_i. The offset of a held vertex keeps its bits, unless a plane that has turned or a smaller
+// radius pushes it. Then `positions` receives the new place. Returns the number of vertices that are kept
+// apart.
 Index store_offsets(const Frame& frame, std::span<const Vec3> start, std::span<Vec3> positions,
                     std::vector<Vec3>& offset) {
     std::vector<std::uint8_t> kept_apart(positions.size(), 0);
@@ -235,7 +236,7 @@ void check(const Settings& settings) {
 }
 
 State activated(const State& state) {
-    // No attachment has infinite length: every pair has changed.
+    // No attachment has an infinite length, so every pair counts as changed.
     return {state.offset,
             std::vector<float>(state.solved_length.size(), std::numeric_limits<float>::infinity()),
             state.reference};

@@ -9,10 +9,11 @@
 namespace rumple::wrinkle_mesh {
 namespace {
 
-// What lies within an edge of the coarse mesh from it moves with it, what is two away does not.
+// Unit: edges of the coarse mesh. Vertices within kNear of it move fully with it, vertices beyond kFar do not
+// move.
 constexpr float kNear = 1.0f, kFar = 2.0f;
 
-// The finest layer is as fine as the folds: within a thousandth of its edges is exact enough.
+// The finest layer is as fine as the folds, so an accuracy of a thousandth of its edges is enough.
 constexpr Index kFinestLimitLevels = 2;
 
 SparseRows ways_from(const Surface& finest, std::span<const Vec3> points, float edge) {
@@ -41,7 +42,7 @@ std::shared_ptr<const Transfer> build_transfer(Surface base, const CoarseMesh& c
     source.level = level;
     source.most_vertices = most_vertices;
     const FineMesh fine = refine(out->base, source, display_steps);
-    // Vertices that were modelled stay where they are.
+    // Modelled vertices keep their places.
     out->attachments =
         attach_refined(out->base, source, fine, level > 0 ? AttachmentKind::kLimit : AttachmentKind::kLinear);
     const std::vector<Vec3> rest = attached_at_rest(out->base, out->attachments);

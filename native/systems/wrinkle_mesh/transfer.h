@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Layers over a coarse mesh (surface/output/coarse.h), shown on the dense mesh that it stands for: every
-// vertex moves as the finest layer's surface does beside it. Wide folds, and the time they take, then do not
-// depend on how densely a garment was modelled. (Not in the paper.)
+// Layers on a coarse mesh (surface/output/coarse.h), shown on the dense mesh that it represents. Every vertex
+// moves like the nearest part of the finest layer's surface. So wide folds, and the time for them, do not
+// depend on the density of the modelled garment. (Not in the paper.)
 #pragma once
 
 #include <memory>
@@ -14,22 +14,22 @@ namespace rumple::wrinkle_mesh {
 // Built once at rest, then immutable.
 struct Transfer {
     Surface base;             // the dense mesh
-    Attachments attachments;  // of the vertices that are moved, on it
-    SparseRows from_finest;   // ways of these <- ways of the finest layer's vertices
+    Attachments attachments;  // of the moved vertices, on the dense mesh
+    SparseRows from_finest;   // from displacements of the finest layer's vertices to displacements of these
     ShownMesh shown;
-    std::optional<ShownMesh> shown_in_viewport;  // where that is subdivided fewer times
+    std::optional<ShownMesh> shown_in_viewport;  // if viewports use fewer subdivisions
     StretchModel stretch;
 };
 
-// coarse, layers: built over base. level: subdivisions of the base that are moved; display_steps: of these
-// that are shown; viewport_steps: as build() has them. Throws InvalidInput (more than most_vertices in the
-// shown mesh). Cost: as of limit_stencils().
+// coarse, layers: built on base. level: subdivisions of the base that are moved. display_steps: how many of
+// these are shown. viewport_steps: as in build(). Throws InvalidInput (more than most_vertices in the shown
+// mesh). Cost: as limit_stencils().
 std::shared_ptr<const Transfer> build_transfer(Surface base, const CoarseMesh& coarse, const Layers& layers,
                                                Index level, Index display_steps, Index most_vertices,
                                                Index viewport_steps = kMostLevels);
 
-// animated: of the dense mesh's vertices, object space. state: of the layers, which were solved over the
-// coarse positions of these. Throws InvalidInput when positions or state do not match.
+// animated: of the dense mesh's vertices, object space. state: of the layers, solved for coarse_positions()
+// of these. Throws InvalidInput if positions or state do not match.
 void show(const Transfer& transfer, const CoarseMesh& coarse, const Layers& layers,
           std::span<const Vec3> animated, const LayersState& state, Picture& picture,
           bool in_viewport = false);

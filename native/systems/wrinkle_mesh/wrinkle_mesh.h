@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Wrinkle Meshes: M. Mueller and N. Chentanez, SCA 2010. A fine mesh attached
-// to a coarse animated one, relaxed by a static position-based solver.
-// Equation numbers are the paper's; docs/wrinkle_mesh.md says where we leave it.
+// Wrinkle Meshes: M. Mueller and N. Chentanez, SCA 2010. A fine mesh is attached to a coarse animated mesh,
+// and relaxed by a static position-based solver. Equation numbers are the paper's. docs/wrinkle_mesh.md lists
+// our differences.
 #pragma once
 
 #include <array>
@@ -22,77 +22,79 @@ namespace rumple::wrinkle_mesh {
 enum class Collision { kNone, kPlane, kNeighbourhood };
 enum class OffsetSpace { kTriangle, kWorld };
 
-// What the user sets for every solve. Lengths are relative to the fine mesh.
+// The user's settings for every solve. Lengths are relative to the fine mesh.
 struct Settings {
     float radius = 1.0f;      // r: attachment radius, in mean lengths of the rest edges around a vertex, >= 0
-    float prestretch = 1.0f;  // s: rest length over measured length, > 0
+    float prestretch = 1.0f;  // rest length / measured length, > 0
     float bending = 0.7f;     // k_bending, 0..1
     Collision collision = Collision::kPlane;
     float inside = 0.4f;          // depth of the collision plane below the surface, in radii, 0..1
-    float stretch_relief = 0.3f;  // share of the base's excess length that is given in to, 0..1
+    float stretch_relief = 0.3f;  // share of the base's excess length that is accepted, 0..1
     float buckling_threshold =
         0.0f;                        // compression of the base that bears no folds, share of the length, 0..1
     float compression_limit = 1.3f;  // rest length at most this times the base's length, >= 1
-    float free_compression_limit = 1.3f;  // the same where cloth hangs free (Paint::worn), >= 1
+    float free_compression_limit = 1.3f;  // the same for cloth that hangs free (Paint::worn), >= 1
     int hem_rings = 3;                    // rings over which r fades to 0 at open borders; 0: no fade
     int iterations = 10;                  // from a given state, >= 0
     int start_iterations = 20;            // from the canonical start, >= 0
-    float damping = 0.3f;                 // share of the former offset that is kept, 0..1
+    float damping = 0.3f;                 // share of the offset before that is kept, 0..1
     OffsetSpace offset_space = OffsetSpace::kTriangle;
-    // Share of its way back to the attachment that every pass pulls a vertex, along the surface and off it,
-    // 0..1. Without it cloth drifts within its radius: no two ways to a frame end in the same folds. (Not in
-    // the paper.)
+    // Share of the distance to the attachment by which every pass pulls a vertex back, along the surface and
+    // off it, 0..1. Without it cloth drifts within its radius, so folds in a frame depend on the frames
+    // before. (Not in the paper.)
     float tangential_pull = 0.0f;
     float normal_pull = 0.0f;
-    // Only layers have these (wrinkle_mesh_layers). (Not in the paper.)
-    float slack = 1.0f;  // length over rest length at which the base pulls taut, > 0
+    // Only layers use these (wrinkle_mesh_layers). (Not in the paper.)
+    float slack = 1.0f;  // length / rest length at which the base pulls the cloth taut, > 0
     float taut_range =
         0.0f;         // over which, below that, s goes from slack to prestretch, >= 0; 0: nowhere taut
-    Vec3 hang{0.0f};  // object space, length 0..1: along it its own weight pulls the cloth taut
+    Vec3 hang{0.0f};  // object space, length 0..1: direction of its own weight, which pulls the cloth taut
     float bend_radius =
         0.0f;                // object units, >= 0: no folds along lines that bend on less; 0: along any line
-    float apart = 0.0f;      // share of the distance to its own cloth that a vertex may go towards it
-    float slide = 0.0f;      // share of the heights of its triangles that a vertex may go along the surface
-    float nudge = 0.02f;     // size of the random push of unbuckled vertices, in fine edges, >= 0
-    std::uint32_t seed = 0;  // of that push
-    int threads = 0;         // 0: chosen by size; the result does not depend on it
-    // What counts as unwrinkled: the rest pose, or reference triangles that adapt (Source::adaptive).
+    float apart = 0.0f;      // largest movement towards its own cloth / distance to it
+    float slide = 0.0f;      // largest movement along the surface / height of its triangles
+    float nudge = 0.02f;     // size of the random push on unbuckled vertices, in fine edges, >= 0
+    std::uint32_t seed = 0;  // of this push
+    int threads = 0;         // 0: chosen by size; does not change the result
+    // The unwrinkled shape: the rest pose, or reference triangles that adapt (Source::adaptive).
     ReferenceSettings rest{.reference = Reference::kStaticRest};
 };
 
-// Throws InvalidInput naming the first setting out of its range, the range and the value. solve() calls it.
+// Throws InvalidInput with the name of the first setting out of its range, the range and the value. solve()
+// calls it.
 void check(const Settings& settings);
 
-// Painted factors per solved vertex, each 0..1. Empty means 1 everywhere. And directions.
+// Painted factors per solved vertex, each 0..1, and directions. Empty factors mean 1 everywhere.
 struct Paint {
     std::vector<float> radius;      // r x value
     std::vector<float> prestretch;  // 1 + (s - 1) x value
     std::vector<float> bending;     // k x value
     std::vector<float> inside;      // inside x value
-    std::vector<float> worn;  // 1: compression_limit holds; 0: free_compression_limit, for it hangs free
-    // Where folds are to run along lines of the base; none: nowhere. Of layers: that of the first one counts.
+    std::vector<float> worn;        // 1: compression_limit applies; 0: free_compression_limit, for free cloth
+    // Directions for folds along lines of the base; none: no directions. Layers use the guide of the first
+    // one.
     std::shared_ptr<const GuideLines> guide{};
 };
 
-// Distance constraints between pairs of solved vertices, in the order of the sweeps: those within a block of
-// rows, those between it and the next, and so on. Each of these groups is ordered by colour: no two of one
-// colour share a vertex.
+// Distance constraints between pairs of solved vertices, in the order of the sweeps. The groups are: pairs
+// within a block of rows, pairs between this block and the next, and so on. Within a group, pairs are sorted
+// by colour. Two pairs of one colour share no vertex.
 struct Pairs {
     std::vector<Index> a;
     std::vector<Index> b;
-    std::vector<Index> row_a, row_b;  // Model::row_of them
+    std::vector<Index> row_a, row_b;  // Model::row_of of both
     std::vector<float> rest;          // measured at rest, before s, object units
-    std::vector<Index> run_start;     // runs + 1: a run has the pairs of one colour of one group
-    std::vector<Index> group_start;   // groups + 1: runs of a group. 2 k: within block k; 2 k + 1: to k + 1
+    std::vector<Index> run_start;     // runs + 1: a run is the pairs of one colour in one group
+    std::vector<Index> group_start;   // groups + 1, into runs. Group 2 k: within block k; 2 k + 1: to k + 1
 
     size_t size() const { return a.size(); }
 };
 
-// What an adaptive rest shape needs: the base's triangles, and where every pair lies in them.
+// The data for an adaptive rest shape: the base's triangles, and the places of all pairs in them.
 struct Adaptive {
     struct Place {
-        std::array<Index, 2> triangle;  // of the base: the one it lies in, or the two it lies between
-        std::array<Vec2, 2> along;      // the pair at rest in the plane of each, object units
+        std::array<Index, 2> triangle;  // of the base: the one that contains it, or the two around it
+        std::array<Vec2, 2> along;      // the pair at rest in the planes of both, object units
     };
     ReferenceModel triangles;
     std::vector<Place> pairs;  // distance, then bending
@@ -103,25 +105,25 @@ struct Model {
     Surface base;
     PolygonMesh solved;                  // the fine mesh that is solved
     Attachments attachments;             // per solved vertex
-    std::vector<std::uint8_t> attached;  // 0: no attachment and no collision constraint
+    std::vector<std::uint8_t> attached;  // 0: neither attachment nor collision constraint
     std::vector<Vec3> positions_rest;    // per solved vertex, object space
     std::vector<Vec3>
         rest_offset;  // own mesh: from surface to rest position, in the smooth frame; else empty
     Pairs distance;
     Pairs bending;
-    // Sweeps hold the vertices in rows along the longest axis of the mesh, and threads have blocks of them.
-    // Pairs within a block share no vertex with those within another one, and pairs between two blocks none
-    // with those between two others.
+    // Sweeps keep the vertices in rows along the longest axis of the mesh. Each thread works on blocks of
+    // rows. Pairs within a block share no vertex with pairs within another block. Pairs between two blocks
+    // share none with pairs between two others.
     std::vector<Index> vertex_of_row, row_of;
     std::vector<Index> block_row;    // blocks + 1: the first row of every block, a multiple of kLanes
-    std::vector<float> local_edge;   // per solved vertex: mean rest length of the edges around it
+    std::vector<float> local_edge;   // per solved vertex: mean rest length of its edges
     std::vector<Index> border_ring;  // per solved vertex: edges to the nearest open border; -1: none
     std::vector<std::array<Index, 3>> triangles;  // of the solved mesh, for areas
     StretchModel stretch;
     NearTriangles near;
-    std::optional<Adaptive> adaptive;  // where Source::adaptive asked for it
+    std::optional<Adaptive> adaptive;  // if Source::adaptive is set
     ShownMesh shown;
-    std::optional<ShownMesh> shown_in_viewport;  // where that is subdivided fewer times
+    std::optional<ShownMesh> shown_in_viewport;  // if viewports use fewer subdivisions
     std::vector<float> unattached_distance;  // own mesh: distance to the base at rest, per vertex; else empty
 };
 
@@ -129,19 +131,19 @@ struct Source : FineSource {
     const Surface* own = nullptr;  // the artist's mesh, at rest, in the base's object space; or none
     std::span<const std::uint8_t> attached;  // per display vertex of own; empty: all attached
     bool adaptive = false;                   // for Settings::rest other than kStaticRest
-    float farthest = 0.0f;                   // refuse an own mesh farther than this from the base; 0: any
+    float farthest = 0.0f;                   // an own mesh farther from the base is refused; 0: no limit
 };
 
-// Section 3. Throws InvalidInput (a fine mesh of more than most_vertices, an own
-// mesh too far away). display_steps: unsolved subdivisions of the shown mesh; viewport_steps: of that of
-// viewports, at most as many. Cost: seconds for a million fine vertices.
+// Section 3. Throws InvalidInput (a fine mesh with more than most_vertices, or an own mesh too far away).
+// display_steps: unsolved subdivisions of the shown mesh. viewport_steps: the same for viewports, at most as
+// many. Cost: seconds for a million fine vertices.
 std::shared_ptr<const Model> build(Surface base, const Source& source, AttachmentKind attachment,
                                    Index display_steps, Index viewport_steps = kMostLevels);
 
-// Painted values of the base's vertices (as the artist has them) -> solved vertices.
+// Converts painted values of the base's vertices (as the artist has them) to solved vertices.
 std::vector<float> carry_paint(const Model& model, std::span<const float> base_values);
 
-// What lives from frame to frame (section 4: "we store o_i instead of p_i").
+// The state from frame to frame (section 4: "we store o_i instead of p_i").
 struct State {
     std::vector<Vec3> offset;          // o_i: in the frame of the base triangle, or in object space (kWorld)
     std::vector<float> solved_length;  // attachment length of every pair when it was last solved, over
@@ -149,18 +151,19 @@ struct State {
     ReferenceState reference{};        // of an adaptive rest shape; else empty
 };
 
-// The same offsets with no vertex held: for a solve with other settings than the state was solved with.
+// The same offsets, but no vertex is held. Use it before a solve with other settings.
 State activated(const State& state);
 
 // One frame of the base. positions: of its vertices as the artist has them, deformed, object space.
-// world_from_object is used by OffsetSpace::kWorld only, frame_time by an adaptive rest shape only.
+// world_from_object is used only by OffsetSpace::kWorld, frame_time only by an adaptive rest shape.
 // For Collision::kPlane:
-//   gap: per vertex of the base, how far the cloth may go inwards before it meets what is worn under it,
-//   object units; empty: no limit but Settings::inside. bodies, body_hint: where a triangle of a body is
-//   known near a vertex of the base (else kNone), the body is looked at for every solved vertex around.
-//   thickness: how far the cloth stays off it, object units; inner: how far an inner side reaches below it.
-//   shown: no layer lies on this one, so the surface between its vertices is kept off bodies, too.
-//   looked_below: the layer below was put out of bodies.
+//   gap: per vertex of the base, how far the cloth may move inwards before it meets what is worn under it,
+//   object units; empty: no limit but Settings::inside. bodies, body_hint: if the hint of a vertex of the
+//   base
+//   is a triangle of a body (else kNone), the body is searched for every solved vertex around it.
+//   thickness: distance of the cloth from the body, object units. inner: how far an inner side extends below
+//   the cloth. shown: no layer lies on this one, so the surface between its vertices is also kept off bodies.
+//   looked_below: whether the layer below was put out of bodies.
 struct Input {
     std::span<const Vec3> positions;
     glm::mat3 world_from_object{1.0f};
@@ -170,40 +173,38 @@ struct Input {
     std::span<const Index> body_hint{};
     float thickness = 0.0f, inner = 0.0f;
     bool shown = false, looked_below = false;
-    int threads = 0;  // that look for bodies and for the cloth itself; 0: by their number
+    int threads = 0;  // for the searches of bodies and of the cloth itself; 0: chosen by size
 };
 
 struct Report {
-    int iterations = 0;          // 0: the pose was held, nothing was solved
-    float error_before = 0.0f;   // RMS relative length error of the distance constraints at the attachments
+    int iterations = 0;          // 0: the pose was held, and nothing was solved
+    float error_before = 0.0f;   // RMS of relative length errors of distance constraints, at the attachments
     float error_after = 0.0f;    // ... of the solved mesh
     float largest_error = 0.0f;  // largest relative length error after
-    float active = 0.0f;         // share of the vertices that were solved; the rest was held
+    float active = 0.0f;         // share of the vertices that were solved; the others were held
     Index collapsed_triangles = 0;  // base triangles without area in this pose
-    Index kept_apart = 0;           // vertices that would have come too near to their own cloth or a body
+    Index kept_apart = 0;           // vertices that would have come too close to their own cloth or to a body
 };
 
-// Section 4.1. Solves one frame from `state` (the frame before), or from the
-// canonical start when there is none, and returns the new state. Deterministic
-// on any number of threads. A state of another model counts as none; one without a reference starts one.
-// Throws InvalidInput when positions, paint or reference do not match the model, positions are not
-// finite, a setting is out of its range, or the rest shape is to adapt and the model was not built for it.
-// Cost: O(iterations x pairs).
+// Section 4.1. Solves one frame from `state` (the frame before), or from the canonical start if there is
+// none, and returns the new state. Deterministic on any number of threads. A state of another model is
+// ignored. A state without a reference starts a new one. Throws InvalidInput if positions, paint or reference
+// do not match the model, if positions are not finite, if a setting is out of its range, or if the rest shape
+// is to adapt and the model was not built for it. Cost: O(iterations x pairs).
 State solve(const Model& model, const Settings& settings, const Paint& paint, const Input& input,
             const State* state, Report& report);
 
-// The same with the sweeps in natural order, one constraint after the other as
-// printed. For tests.
+// The same, with the sweeps in the order of the paper: one constraint after the other. For tests.
 State solve_in_order(const Model& model, const Settings& settings, const Paint& paint, const Input& input,
                      const State* state, Report& report);
 
-// The shown mesh for a frame and its state; in_viewport: that of viewports.
+// The shown mesh for a frame and its state. in_viewport: whether to show the mesh of viewports.
 using Picture = ShownFrame;
-// Throws InvalidInput when positions or state do not match the model.
+// Throws InvalidInput if positions or state do not match the model.
 void show(const Model& model, const Settings& settings, const Input& input, const State& state,
           Picture& picture, bool in_viewport = false);
 
-// How good a frame is: for reports and tests, not for playback.
+// The quality of a frame, for reports and tests, not for playback.
 struct Measures {
     float edge_error_before_rms = 0.0f;  // |length - s l0| / (s l0), fine mesh at its attachments
     float edge_error_before_max = 0.0f;
