@@ -11,10 +11,10 @@
 namespace rumple::base_cloth {
 namespace {
 
-constexpr int kContactEvery = 2;  // of the Newton steps from a given state: Schedule::contact_every
-// A limb that straightens pulls springs taut, one after another. Steps that stopped at the first of them
-// would be a tenth of what they could be, so a step may overshoot: springs that are taut behind it are in the
-// Hessian of the next one, which goes back where it must (a non-monotone line search: Grippo, Lampariello and
+constexpr int kContactEvery = 2;  // Newton steps, from a given state: see Schedule::contact_every
+// A limb that straightens makes springs taut one after another. If a step stopped at the first of them, it
+// would be a tenth as long as possible. So a step may overshoot: springs that are taut after it are in the
+// Hessian of the next step, which goes back where needed (a non-monotone line search: Grippo, Lampariello and
 // Lucidi, SIAM Journal on Numerical Analysis 23, 1986).
 constexpr double kOvershoot = 50.0;
 
@@ -22,16 +22,16 @@ bool fits(const Model& model, const State* state) {
     return state && state->offset.size() == model.area.size() && matches(model, *state);
 }
 
-// How a frame is solved.
+// The way in which a frame is solved.
 struct Schedule {
-    bool held = false;      // the state before stays to the bit
-    int most_steps = 0;     // of Newton's method
-    int contact_every = 1;  // so many steps from one look for the nearest inner surface to the next
-    float settled = 0.0f;   // a step that moves every vertex by less is the last one, object units
-    float no_nearer = std::numeric_limits<float>::infinity();  // of has_settled(), object units
+    bool held = false;      // the state before does not change
+    int most_steps = 0;     // largest number of Newton steps
+    int contact_every = 1;  // number of steps between two searches for the nearest inner surface
+    float settled = 0.0f;   // a step that moves every vertex by less than this is the last one, object units
+    float no_nearer = std::numeric_limits<float>::infinity();  // for has_settled(), object units
 };
 
-// A step that moves every vertex by less solves a frame in which the pose changes.
+// A step that moves every vertex by less than this is the last one of a frame in which the pose changes.
 float solved_within(const Model& model) {
     return kSettledCloth * static_cast<float>(mean_length(model));
 }
@@ -45,8 +45,8 @@ Schedule schedule_of(const Model& model, const Settings& settings, const Pose& p
     return {held, held ? 0 : settings.steps, kContactEvery, at_rest, 0.5f * before->moved};
 }
 
-// Whether cloth in a held pose stays from now on. Contacts and the limits of friction are those of the step
-// before, so between them it may slip to and fro for ever: small steps that are more than half as long as in
+// Whether cloth in a held pose stays from now on. Contacts and friction limits come from the step before, so
+// the cloth may slip back and forth between them for ever. Small steps that are more than half as long as in
 // the frame before do not lead to rest.
 bool has_settled(const Model& model, const Schedule& schedule, float moved) {
     return moved >= schedule.no_nearer && moved < solved_within(model);
@@ -121,8 +121,8 @@ Result solve_pose(const Model& model, const Settings& settings, const Pose& pose
     }
     keep_pose(pose, schedule.held ? before : nullptr, out.state);
     out.state.moved = has_settled(model, schedule, out.report.moved) ? 0.0f : out.report.moved;
-    // The state keeps the equilibrium: what went on from a projected one would leave its balance in every
-    // frame.
+    // The state keeps the equilibrium, not the projected positions. A solve that started from projected
+    // positions would leave its equilibrium in every frame.
     finish(model, settings, pose, planes, has_bodies, x, out);
     return out;
 }

@@ -11,15 +11,16 @@
 namespace rumple {
 namespace {
 
-constexpr int kFillSweeps = 24;  // Gauss-Seidel; the fill is local (spread), so they are many
+constexpr int kFillSweeps = 24;  // Gauss-Seidel; the interpolation is local (spread), so this is enough
 
-// What one vertex knows by itself.
+// The clearance that is known at one vertex.
 struct Known {
     float value = 0.0f;
-    float weight = 0.0f;  // 0: nothing
+    float weight = 0.0f;  // 0: unknown
 };
 
-// A bare garment inside the body comes out to the thickness, but for what is so deep that it is hidden there.
+// A bare garment inside the body is moved out to the thickness. Parts that are deep inside stay, because they
+// are hidden there on purpose.
 float room_inwards(const ClearanceSettings& settings, float distance) {
     const float out = smooth_step(-settings.depth, -0.25f * settings.depth, distance);
     return out * (distance - settings.thickness);
@@ -66,16 +67,16 @@ Clearance clearance(const ClearanceModel& model, const ClearanceSettings& settin
     clearance.bodies.resize(vertices);
     std::vector<Known> known(vertices);
     for_each_index(vertices, kLeastSearches, [&](size_t v) {
-        if (normals[v] == Vec3(0.0f)) return;  // loose: nothing faces as it does
+        if (normals[v] == Vec3(0.0f)) return;  // loose: it has no direction in which to search
         BodyContact& contact = clearance.bodies[v];
         const float reach = at_least(settings.reach, v);
-        // What hangs free meets what it was not modelled on.
+        // Cloth that hangs free may meet bodies on which it was not modelled.
         const bool is_free = !free.empty() && free[v] > 0.0f;
         contact = bodies->closest(surface_points[v], normals[v], reach, hints[v],
                                   is_free ? nullptr : &model.rest[v]);
         hints[v] = contact.triangle;
         if (contact.triangle == kNone) return;
-        // What is about to leave the reach counts less and less.
+        // The weight decreases towards the limit of the reach.
         const auto fading = [&](float farthest) {
             return contact.weight * (1.0f - smooth_step(0.7f, 1.0f, std::abs(contact.distance) / farthest));
         };
@@ -86,8 +87,8 @@ Clearance clearance(const ClearanceModel& model, const ClearanceSettings& settin
     const auto found = std::ranges::count_if(known, [](const Known& k) { return k.weight > 0.0f; });
     const auto loose = std::ranges::count(normals, Vec3(0.0f));
     clearance.known = float(found) / float(std::max<std::ptrdiff_t>(std::ptrdiff_t(vertices) - loose, 1));
-    // The smallest of sum_sides (c_i - c_j)^2 / l^2 + sum_i (c_i - unknown)^2 / spread^2 + what is known,
-    // much more strongly.
+    // Minimises sum_sides (c_i - c_j)^2 / l^2 + sum_i (c_i - unknown)^2 / spread^2. Known values have a much
+    // larger weight.
     const float pull = 1.0f / (settings.spread * settings.spread);
     for (int sweep = 0; sweep < kFillSweeps; ++sweep) {
         for (size_t step = 0; step < vertices; ++step) {

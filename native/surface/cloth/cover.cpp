@@ -13,12 +13,12 @@ namespace {
 
 constexpr int kPasses = 2;
 
-// A body is looked for at this distance: one that is farther away than the thickness lifts nothing.
+// The search distance. A body outside of the cloth, farther away than the thickness, lifts nothing.
 float reach(const CoverSettings& settings) {
     return settings.depth + settings.thickness;
 }
 
-// How far a point of the surface has to go outwards.
+// How far a point of the surface must move outwards.
 float lift_of(const CoverSettings& settings, const PosedCollider& bodies, const Vec3& point,
               const Vec3& normal, const Vec3& rest, Index hint) {
     const float length = glm::length(normal);
@@ -48,7 +48,8 @@ std::vector<Vec3> lifts_over(const Surface& surface, const CoverModel& model, co
     std::vector<Vec3> at = weld_positions(surface, positions), normals(vertices), points(samples);
     std::vector<float> lift(samples);
     std::vector<Vec3> lifts(positions.size(), Vec3(0.0f));
-    // Of the pass before. Where nothing rose nothing is missing: the next pass leaves it out.
+    // The lifts of the pass before. A triangle that did not move needs no more lift, so the next pass leaves
+    // it out.
     std::vector<float> before(vertices, 1.0f);
     for (int pass = 0; pass < kPasses; ++pass) {
         vertex_normals(surface, at, normals);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The least energy of docs/base_cloth.md: Newton's method. Vertices and springs are computed four at a time
-// and summed up in their order, so that every sum has the bits of one after the other.
+// Minimises the energy of docs/base_cloth.md by Newton's method. Vertices and springs are computed four at a
+// time and added up in their order, so that every sum has the same bits as one by one.
 #include "surface/cloth/equilibrium.h"
 
 #include <algorithm>
@@ -15,10 +15,10 @@ namespace rumple::base_cloth {
 namespace {
 
 constexpr float kBeyondLimit = 10.0f;     // stiffness beyond the strain limit
-constexpr float kRoomStiffening = 15.0f;  // of the pull back: by so much more at the edge of the room
+constexpr float kRoomStiffening = 15.0f;  // of the pull back: factor at the edge of the room
 constexpr float kContact = 2e4f;          // stiffness of the inner surface, 1/s^2
-constexpr float kSlip = 1.0f / 6.0f;      // of the room: what has slid farther is held by the whole friction
-constexpr int kShortenings = 4;           // of a step that went too far
+constexpr float kSlip = 1.0f / 6.0f;      // share of the room: from this distance on the whole friction acts
+constexpr int kShortenings = 4;           // most shortenings of a step that is too long
 
 using FourRows = std::array<Row, kLanes>;
 
@@ -26,7 +26,7 @@ std::span<Row, kLanes> four_of(std::vector<Row>& rows, size_t four) {
     return four_from(rows, four * kLanes);
 }
 
-// The pose as it is computed: vertices four at a time. Rows end with one vertex, or more, of no weight.
+// The pose for the computation, four vertices at a time. Rows end with at least one vertex without weight.
 struct PackedPose {
     struct Plane {
         Vec3Lanes point, normal;
@@ -36,17 +36,17 @@ struct PackedPose {
     struct Vertices {
         Vec3Lanes animated, normal;
         Lanes area, follow, room, slide_share;
-        Lanes grip;  // most force of friction: by the contact that the Newton step begins with
+        Lanes grip;  // largest friction force, from the contact at the start of the Newton step
         Plane under_plane, ahead_plane;  // of the inner surface, and of a body in front
 
-        // Force by which each is pressed out of what it is in, over the depth.
+        // Force / depth that presses a vertex out of each surface.
         Lanes contact_stiffness() const { return area * most(all_lanes(kContact), follow); }
     };
     const Model& model;
     const Settings& settings;
     std::vector<Row> animated;
     std::vector<Vertices> vertices;
-    std::span<const float> cut, firmness;  // as of Pose
+    std::span<const float> cut, firmness;  // as in Pose
     struct Inertia {
         Row from, push;
         Matrix resist;
@@ -104,7 +104,7 @@ Vec3Lanes ends_apart(const Model::SpringFour& springs, const std::vector<Row>& x
     return columns(out);
 }
 
-// At least that of the shortest edge.
+// At least the length of the shortest edge.
 Lanes length_of(const Vec3Lanes& v) {
     return most(square_root(dot(v, v)), all_lanes(kShortestEdge));
 }
@@ -122,8 +122,7 @@ void pull_together(const Model::SpringFour& springs, const Vec3Lanes& pull, std:
     }
 }
 
-// Force along springs over their weight (towards the other end is positive), and its slope: figure 6 of the
-// paper.
+// Force along springs / weight (positive towards the other end), and its slope: figure 6 of the paper.
 struct Tension {
     Lanes force;
     Lanes slope;
@@ -151,14 +150,14 @@ Tension tension(const Settings& settings, const LaneMask& diagonal, const Lanes&
                           : slope};
 }
 
-// ---- what acts on four vertices: terms of the energy in docs/base_cloth.md
+// ---- forces on four vertices: terms of the energy in docs/base_cloth.md
 
 using Vertices = PackedPose::Vertices;
 
-// The pull back to the animated place. Along the surface a displacement counts by a share s against the room:
-// S = s I + (1 - s) n n^T, and S S is s^2 I + (1 - s^2) n n^T.
+// The pull back to the animated place. A displacement along the surface uses only a share s of the room: S =
+// s I + (1 - s) n n^T, and S S = s^2 I + (1 - s^2) n n^T.
 struct RoomPull {
-    Lanes follow_stiffness, normal_stiffness;  // in all directions, and what is more along the normal
+    Lanes follow_stiffness, normal_stiffness;  // in all directions, and in addition along the normal
     Lanes height;                              // of the displacement, along the normal
     Vec3Lanes counted;                         // S S displacement
     Lanes room_used;                           // |S displacement|^2 / room^2
@@ -175,7 +174,7 @@ RoomPull room_pull(const Vertices& cloth, const Vec3Lanes& displacement) {
     return out;
 }
 
-// Out of a plane; nothing above it.
+// Pushes out of a plane. Above it there is no force.
 struct Contact {
     Lanes stiffness;
     Lanes force;  // along the normal
@@ -186,10 +185,10 @@ Contact contact(const PackedPose::Plane& plane, const Vec3Lanes& at, const Lanes
     return {acting, acting * depth};
 }
 
-// Against what was slid along the inner surface from the animated place: Coulomb's law, smooth where that is
-// short (f_1 of M. Li et al., "Incremental Potential Contact", SIGGRAPH 2020).
+// Acts against sliding along the inner surface away from the animated place: Coulomb's law, smooth for short
+// distances (f_1 of M. Li et al., "Incremental Potential Contact", SIGGRAPH 2020).
 struct FrictionPull {
-    Lanes friction_stiffness;  // force over distance slid
+    Lanes friction_stiffness;  // force / distance slid
     Vec3Lanes slid;
 };
 FrictionPull friction_pull(const Vertices& cloth, const Vec3Lanes& displacement) {
@@ -200,7 +199,7 @@ FrictionPull friction_pull(const Vertices& cloth, const Vec3Lanes& displacement)
     return {cloth.grip > zero && slip > zero ? cloth.grip * share : zero, slid};
 }
 
-// What these four add to the diagonal of the Hessian; gravity adds nothing.
+// Computes the diagonal blocks of the Hessian for these four vertices. Gravity has no part in them.
 void store_blocks(const Vertices& cloth, const RoomPull& pull, const Contact& under, const Contact& ahead,
                   const Lanes& friction_stiffness, std::span<Matrix, kLanes> blocks) {
     const Lanes growth = 4.0f * cloth.area * cloth.follow * kRoomStiffening * pull.room_used;
@@ -229,7 +228,7 @@ void add_inertia(const PackedPose& pose, const std::vector<Row>& x, std::vector<
     }
 }
 
-// The forces at x; the Hessian too, where one is asked for.
+// The forces at x, and also the Hessian if it is not nullptr.
 void forces_at_vertices(const PackedPose& pose, std::vector<Row>& x, std::vector<Row>& out,
                         Hessian* hessian) {
     const Vec3Lanes gravity(pose.settings.gravity);
@@ -253,7 +252,7 @@ void forces_at_vertices(const PackedPose& pose, std::vector<Row>& x, std::vector
     add_inertia(pose, x, out, hessian);
 }
 
-// ---- and with it on the springs
+// ---- forces on vertices and springs
 
 void forces(const PackedPose& pose, std::vector<Row>& x, std::vector<Row>& out, Hessian* hessian) {
     forces_at_vertices(pose, x, out, hessian);
@@ -267,13 +266,13 @@ void forces(const PackedPose& pose, std::vector<Row>& x, std::vector<Row>& out, 
         const Tension t =
             tension(settings, springs.diagonal, firmness, length, load_lanes(&pose.cut[s * kLanes]));
         const Lanes smooth = springs.diagonal ? Lanes{} : settings.smoothing * firmness;
-        // What turns it away from its animated direction. Of the difference, so that what is at rest has
-        // none.
+        // The rotation of the spring away from its animated direction. It is computed from the difference, so
+        // that it is exactly zero at rest.
         const Vec3Lanes animated = ends_apart(springs, pose.animated), aim = direction_of(animated);
         const Vec3Lanes moved = displacement - animated, turned = moved - dot(aim, moved) * aim;
         pull_together(springs, springs.weight * (t.force * n + smooth * turned), out);
         if (!hessian) continue;
-        // As if the spring had its animated direction: it hardly ever turns far from it.
+        // An approximation with the animated direction, because the spring hardly ever turns far from it.
         const Lanes across = most(t.force / length, Lanes{}) + smooth;
         const Lanes along = springs.weight * (t.slope - across), wide = springs.weight * across;
         FourRows directions;

@@ -16,13 +16,13 @@ namespace {
 
 using Real3 = glm::dvec3;
 
-constexpr double kFarthest = 1e9;       // coordinates, lengths and strengths beyond it are refused
-constexpr double kNearest = 1e-9;       // what is nearer has no direction
-constexpr double kMostDrag = 2.0;       // of a strength and a damping of Drag
-constexpr int kOctaves = 3;             // of Turbulence, each twice as fine and half as high
-constexpr double kLattice = 1048576.0;  // 2^20: what is farther from the lattice's origin is taken modulo it
+constexpr double kFarthest = 1e9;  // larger coordinates, lengths and strengths are refused
+constexpr double kNearest = 1e-9;  // a shorter vector has no direction
+constexpr double kMostDrag = 2.0;  // limit of the strength and of the damping of Drag
+constexpr int kOctaves = 3;  // of Turbulence: each has half the size and half the height of the one before
+constexpr double kLattice = 1048576.0;  // 2^20: coordinates in the lattice are taken modulo this
 
-// Blender's permutation, not that of Perlin's reference implementation: measured at the points of the lattice
+// Blender's permutation, which differs from Perlin's reference implementation. Measured at the lattice points
 // of mathutils.noise (PERLIN_NEW).
 constexpr std::array<std::uint8_t, 256> kPermutation = {
     162, 160, 25,  59,  248, 235, 170, 238, 243, 28,  103, 40,  29,  237, 0,   222, 149, 46,  220, 63,
@@ -43,7 +43,7 @@ int permuted(int at) {
     return kPermutation[static_cast<size_t>(at & 255)];
 }
 
-// One of the twelve edges of a cube, times (x, y, z).
+// The dot product of (x, y, z) with one of the twelve edge directions of a cube.
 double gradient(int hash, double x, double y, double z) {
     const int h = hash & 15;
     const double u = h < 8 ? x : y;
@@ -59,7 +59,7 @@ double mixed(double t, double a, double b) {
     return a + t * (b - a);
 }
 
-// Three octaves, -1..1. The size 0 counts as 1.
+// Three octaves, -1..1. A size of 0 counts as 1.
 double turbulence(double size, Real3 p) {
     if (size != 0.0) p /= size;
     double sum = 0.0, height = 1.0;
@@ -73,8 +73,8 @@ Real3 unit(const Real3& v) {
     return length > kNearest ? v / length : Real3(0.0);
 }
 
-// -1/2..1, spread as the noise of Blender's effectors is: what is below 0 is small, and the mean is 0.17.
-// Only its random numbers are others.
+// -1/2..1, with the distribution of the noise of Blender's effectors: negative values are small, and the mean
+// is 0.17. Only the random numbers differ from Blender's.
 double random_share(std::uint32_t seed, std::uint32_t value) {
     const std::uint32_t bits = hashed(seed, value), whole = bits & 127u;
     const double divisor = 1.0 + double(bits >> 8) / 16777216.0;
@@ -84,14 +84,14 @@ double random_share(std::uint32_t seed, std::uint32_t value) {
 struct Placed {
     Real3 axis;         // unit
     Real3 from_origin;  // the point, from the origin of the field
-    Real3 to_point;     // the point, from the nearest one of its shape
-    double distance;    // to that
+    Real3 to_point;     // the point, from the nearest point of the field's shape
+    double distance;    // length of to_point
 };
 
 Placed placed(const Field& field, const Real3& point) {
     const Real3 axis = unit(Real3(field.axis)), from_origin = point - Real3(field.location);
     const Real3 along = axis * glm::dot(axis, from_origin);
-    // A vortex about a plane takes the plane for its axis.
+    // A vortex with the shape of a plane acts around the plane's axis.
     const bool is_line =
         field.shape == Shape::kLine || (field.shape == Shape::kPlane && field.kind == Kind::kVortex);
     const Real3 to_point = field.shape == Shape::kPoint ? from_origin : is_line ? from_origin - along : along;
@@ -109,7 +109,7 @@ double share(const Field& field, const Placed& at) {
            field.across.share(field.falloff == Falloff::kTube ? radius : angle);
 }
 
-// What the strength became by noise. The damping of Drag and Harmonic has noise too.
+// The strength with noise. The damping of Drag and Harmonic has noise too.
 struct Varied {
     double strength, damping;
 };
@@ -132,7 +132,7 @@ void add_vortex(const Field& field, const Placed& at, double strength, double le
         sum.push += unit(glm::cross(at.axis, at.to_point)) * (strength * left * at.distance);
         return;
     }
-    // The velocity of a body that turns with the field, and what keeps it on its circle.
+    // The velocity of a body that rotates with the field, and the force that keeps it on its circle.
     const Real3 turning = glm::cross(at.axis, at.from_origin) * (strength * left);
     sum.push += glm::cross(at.axis, turning) * (strength * left) + turning;
     sum.resist.x += 1.0;
@@ -158,7 +158,7 @@ void add(const Field& field, const Real3& point, const Varied& by, Sum& sum) {
     switch (field.kind) {
         case Kind::kWind:
             sum.air += at.axis * (by.strength * left);
-            return;  // it resists as air does
+            return;  // its resistance is part of the drag of the air
         case Kind::kForce: {
             const double square = field.inverse_square ? at.distance * at.distance : 1.0;
             if (at.distance > kNearest) sum.push += at.to_point / at.distance * (by.strength * left / square);

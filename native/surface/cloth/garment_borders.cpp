@@ -9,14 +9,13 @@
 namespace rumple::base_cloth {
 namespace {
 
-// A border as wide as this is the outline of a sheet (a flag, a cape, an open jacket), unless its part has
-// another one that is at least so wide against it: shorts and short skirts are wide for their length, and
-// their waistband is an opening. The sleeves of a jacket are a fifth of its outline, the armholes of a vest a
-// third.
+// Radius of a border / diagonal of its part. A border of at least kOutline is the outline of a sheet (a flag,
+// a cape, an open jacket), unless its part has another border whose radius is at least kOtherOpening of its
+// own. Shorts and short skirts are wide for their length, and their waistband is an opening. The sleeves of a
+// jacket are a fifth of its outline, the armholes of a vest a third.
 constexpr float kOutline = 0.25f, kOtherOpening = 0.45f;
 
-// Connected sets of vertices: the number of its set for every vertex that an edge in `chosen` has, else
-// kNone.
+// Connected sets of vertices: for every vertex of an edge in `chosen` the number of its set, else kNone.
 template <typename Chosen>
 std::vector<Index> connected(const Surface& surface, Chosen&& chosen, Index& count) {
     DisjointSets sets(surface.welded.vertex_count);

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Conjugate gradients (J. R. Shewchuk 1994, B3), preconditioned by the incomplete factors
-// (D + L) D^-1 (D + L)^T of the Hessian: L is what is below its diagonal, and D such that the product has its
-// diagonal. Along a chain that is the Hessian itself, so what pulls at a hem is felt at the waist in one
-// sweep. In the variables (D + L)^T x an iteration is one sweep each way, and no product with the Hessian
-// (S. C. Eisenstat, "Efficient Implementation of a Class of Preconditioned Conjugate Gradient Methods", SIAM
-// Journal on Scientific and Statistical Computing 2, 1981).
+// Conjugate gradients (J. R. Shewchuk 1994, B3), preconditioned by the incomplete factors (D + L) D^-1 (D +
+// L)^T of the Hessian. L is the part below its diagonal, and D is such that the product has the same diagonal
+// as the Hessian. Along a chain the product is the Hessian itself, so a pull at a hem reaches the waist in
+// one sweep. In the variables (D + L)^T x an iteration is one sweep in each direction, without a product with
+// the Hessian (S. C. Eisenstat, "Efficient Implementation of a Class of Preconditioned Conjugate Gradient
+// Methods", SIAM Journal on Scientific and Statistical Computing 2, 1981).
 #include "surface/cloth/hessian.h"
 
 #include <array>
@@ -30,8 +30,8 @@ Block block_of(const Hessian::Spring& spring) {
     return double(spring.across) * Block(1.0) + double(spring.along) * glm::outerProduct(n, n);
 }
 
-// B W B of a spring's block B = a I + b n n^T and a symmetric W: with u = W n and v = a b u + b^2 (n . u) / 2
-// n it is a^2 W + n v^T + v n^T.
+// B W B for a spring's block B = a I + b n n^T and a symmetric W. With u = W n and v = a b u + b^2 (n . u) /
+// 2 n it is a^2 W + n v^T + v n^T.
 Block between(const Hessian::Spring& spring, const Block& w) {
     const glm::dvec3 n(spring.direction.vec()), u = w * n;
     const double a = spring.across, b = spring.along;
@@ -39,7 +39,8 @@ Block between(const Hessian::Spring& spring, const Block& w) {
     return a * a * w + glm::outerProduct(n, v) + glm::outerProduct(v, n);
 }
 
-// A vertex without area, of no polygon or of flat ones, has neither weight nor force: it stays.
+// A vertex without area, in no polygon or in polygons without area, has neither weight nor force, so it does
+// not move.
 Block inverse_or_nothing(const Block& block) {
     const Block inverse = glm::inverse(block);
     const glm::dvec3 sum = inverse[0] + inverse[1] + inverse[2];
@@ -52,7 +53,8 @@ struct SpringLanes {
     Vec3Lanes direction;
     Lanes along{}, across{};
 
-    // What they add at one end where the other ends have `rows`: one after the other, as sums are rounded.
+    // Adds their part at one end if the other ends have `rows`. It adds one spring after the other, so that
+    // rounding does not change.
     void add_to(const std::vector<Row>& rows, Row& sum) const {
         const Vec3Lanes v =
             columns(std::array{rows[other[0]], rows[other[1]], rows[other[2]], rows[other[3]]});
@@ -88,7 +90,7 @@ class Factors {
   public:
     Factors(const Model& model, const Hessian& hessian);
 
-    // (D + L)^-1 of what rows(vertex) says; it is asked once.
+    // Computes (D + L)^-1 of the vector rows(vertex), which is called once per vertex.
     template <typename Rows>
     void forward(const Rows& rows, std::vector<Row>& out) const {
         for (size_t k = 0; k < sweep_.vertex.size(); ++k) {
@@ -109,10 +111,10 @@ class Factors {
             out[v].xyz = inverse_[v] * here;
         }
     }
-    // D row, of a vertex
+    // D row, for one vertex
     Row weighed(size_t v, const Row& row) const { return Row(diagonal_[v] * row); }
-    // (D + L)^-1 Hessian (D + L)^-T p, where `back` is (D + L)^-T p: the Hessian is (D + L) + (D + L)^T and,
-    // on its diagonal, what is beyond 2 D. Here less `back`.
+    // (D + L)^-1 Hessian (D + L)^-T p minus `back`, where `back` is (D + L)^-T p. The Hessian is (D + L) + (D
+    // + L)^T plus, on its diagonal, beyond_.
     void multiply(const std::vector<Row>& p, const std::vector<Row>& back, std::vector<Row>& out) const {
         forward([&](Index v) { return Row(p[v].xyz + beyond_[v] * back[v]); }, out);
     }
@@ -120,12 +122,12 @@ class Factors {
   private:
     const Model::Sweep& sweep_;
     std::vector<SpringLanes> earlier_, later_;
-    std::vector<Matrix> diagonal_, inverse_, beyond_;  // D, D^-1, the Hessian's diagonal less 2 D, per vertex
+    std::vector<Matrix> diagonal_, inverse_, beyond_;  // per vertex: D, D^-1, the Hessian's diagonal - 2 D
 };
 
-// D is positive definite: what is left of a spring at its later end, B - B D^-1 B, is none where it was all
-// that held the earlier one (D = B), and more where something else did. In double precision, as it is a
-// difference.
+// D is positive definite. The part of a spring that is left at its later end is B - B D^-1 B. It is zero if
+// only this spring held the earlier end (D = B), and more if something else held it too. It is a difference,
+// so it is computed in double precision.
 Factors::Factors(const Model& model, const Hessian& hessian)
     : sweep_(model.sweep),
       earlier_(lanes_of(sweep_.earlier, hessian)),
@@ -152,8 +154,8 @@ Factors::Factors(const Model& model, const Hessian& hessian)
     }
 }
 
-// The sum over the vertices of the inner products of the two rows that rows(vertex) makes: made and
-// multiplied in one pass.
+// The sum over the vertices of the inner products of the two rows that rows(vertex) returns. One pass
+// computes the rows and multiplies them.
 template <typename Rows>
 double inner_product_of(size_t count, const Rows& rows) {
     double sum = 0.0;

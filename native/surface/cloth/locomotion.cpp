@@ -9,8 +9,8 @@
 namespace rumple::base_cloth {
 namespace {
 
-constexpr int kTurns = 60;        // most iterations; a turn of 20 degrees takes four
-constexpr double kTurned = 1e-9;  // radians: no more is left to turn
+constexpr int kTurns = 60;        // most iterations; a rotation by 20 degrees takes four
+constexpr double kTurned = 1e-9;  // radians: the iteration ends below this
 
 // axis: unit.
 glm::dquat turn_about(const glm::dvec3& axis, double angle) {
@@ -18,8 +18,8 @@ glm::dquat turn_about(const glm::dvec3& axis, double angle) {
 }
 
 // The rotation in a sum of outer products `to x from`: M. Mueller, J. Bender, N. Chentanez and M. Macklin, "A
-// Robust Method to Extract the Rotational Part of Deformations", MIG 2016. Starts from no turn,
-// so that what the sum leaves open (cloth along a line) is not turned.
+// Robust Method to Extract the Rotational Part of Deformations", MIG 2016. It starts from the identity, so
+// that there is no rotation about an axis that the sum does not determine (cloth along a line).
 glm::dquat rotation_of(const glm::dmat3& sum) {
     glm::dquat turn(1.0, 0.0, 0.0, 0.0);
     for (int i = 0; i < kTurns; ++i) {
@@ -65,7 +65,7 @@ RigidMotion rigid_motion(std::span<const float> area, std::span<const Vec3> from
 RigidMotion part_of(const RigidMotion& motion, double fraction) {
     RigidMotion out = motion;
     out.displacement *= fraction;
-    // The shorter way round.
+    // The shorter of the two rotations.
     const glm::dquat turn = motion.turn.w < 0.0 ? -motion.turn : motion.turn;
     const glm::dvec3 axis(turn.x, turn.y, turn.z);
     const double sine = glm::length(axis);

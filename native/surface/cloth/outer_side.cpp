@@ -18,16 +18,16 @@ namespace {
 
 constexpr float kThickest = 0.02f;    // of the diagonal of the mesh
 constexpr float kFacingAway = -0.5f;  // cosine between the normals of two sides, at most
-constexpr float kBehind = 0.7f;  // cosine between the way to the other side and the inward normal, at least
-constexpr float kSmooth = 0.5f;  // cosine between the normals of neighbours that are one side
-constexpr double kLeastInner = 0.3;    // of the area of a part, and of the mesh, whose thickness is modelled
-constexpr double kLeastOnOther = 0.7;  // of the area of such a part: what lies on its other side
+constexpr float kBehind = 0.7f;  // least cosine between the direction to the other side and the inward normal
+constexpr float kSmooth = 0.5f;  // least cosine between the normals of neighbours on one side
+constexpr double kLeastInner = 0.3;    // least share of a part, and of the mesh, with modelled thickness
+constexpr double kLeastOnOther = 0.7;  // least share of such a part's area that is opposite to its other side
 
 struct Polygon {
     Vec3 centre{0.0f}, normal{0.0f};  // unit, or zero
     double area = 0.0;
-    Index opposite = kNone;  // the polygon that it lies on
-    float distance = 0.0f;   // to that
+    Index opposite = kNone;  // the polygon opposite to it
+    float distance = 0.0f;   // to the opposite polygon
 };
 
 bool is_smooth(const Polygon& left, const Polygon& right) {
@@ -67,7 +67,7 @@ std::vector<Polygon> polygons_of(const Surface& surface, const std::vector<std::
     return out;
 }
 
-// The nearest polygon behind every one that faces the other way.
+// For every polygon, the nearest polygon behind it that faces the other way.
 void find_opposites(const Surface& surface, const std::vector<std::array<Index, 3>>& triangles,
                     std::vector<Polygon>& polygons) {
     const std::vector<Row> rows = to_rows(surface.positions_rest);
@@ -105,7 +105,7 @@ void find_opposites(const Surface& surface, const std::vector<std::array<Index, 
     });
 }
 
-// The lowest polygon of the side of every one that lies on another; of the others themselves.
+// For every polygon with an opposite one, the lowest polygon of its side. For the others, the polygon itself.
 std::vector<Index> sides_of(const Surface& surface, const std::vector<Polygon>& polygons) {
     DisjointSets sets(static_cast<Index>(polygons.size()));
     for (const Edge& e : surface.edges) {
@@ -117,15 +117,15 @@ std::vector<Index> sides_of(const Surface& surface, const std::vector<Polygon>& 
     return sets.roots();
 }
 
-// Sides that lie on one another: of two, one is the outer and one the inner one. A side is told by its lowest
-// polygon.
+// Pairs of opposite sides: one is the outer side, the other the inner side. A side is identified by its
+// lowest polygon.
 class SidesOfOthers {
   public:
     explicit SidesOfOthers(size_t polygons) : parent_(polygons), other_(polygons, false) {
         std::iota(parent_.begin(), parent_.end(), 0);
     }
 
-    // Nothing where it is known already whether they are the same.
+    // Does nothing if it is already known whether both are the same side.
     void lie_on_one_another(Index a, Index b) {
         const auto [root_a, a_is_other] = find(a);
         const auto [root_b, b_is_other] = find(b);
@@ -134,7 +134,7 @@ class SidesOfOthers {
         parent_[std::max(root_a, root_b)] = std::min(root_a, root_b);
         other_[std::max(root_a, root_b)] = differ;
     }
-    // The lowest of all sides that it is joined with, and whether it is another one than that.
+    // The lowest side that it is connected with, and whether it is opposite to that.
     std::pair<Index, bool> find(Index side) const {
         bool is_other = false;
         for (; parent_[side] != side; side = parent_[side]) is_other = is_other != other_[side];
@@ -143,13 +143,13 @@ class SidesOfOthers {
 
   private:
     std::vector<Index> parent_;
-    std::vector<bool> other_;  // than its parent
+    std::vector<bool> other_;  // whether it is opposite to its parent
 };
 
-// Of every polygon that lies on another: whether it is of the smaller one of the two sides. What lies mostly
-// on itself, as a narrow tube does, is outer.
+// For every polygon with an opposite one: whether it belongs to the smaller one of the two sides. A side that
+// is mostly opposite to itself, as in a narrow tube, is an outer side.
 std::vector<bool> inner_sides(const std::vector<Polygon>& polygons, const std::vector<Index>& side) {
-    std::map<std::pair<Index, Index>, double> on;  // the area of two sides that lies on the other one
+    std::map<std::pair<Index, Index>, double> on;  // per two sides: area opposite to the other side
     for (size_t p = 0; p < polygons.size(); ++p) {
         const Index opposite = polygons[p].opposite;
         if (opposite != kNone) on[std::minmax(side[p], side[opposite])] += polygons[p].area;
@@ -163,7 +163,7 @@ std::vector<bool> inner_sides(const std::vector<Polygon>& polygons, const std::v
     for (const auto& [area, pair] : pairs) {
         const auto [a, b] = pair;
         if (a == b)
-            lies_on_itself[a] = true;  // unless more of it was found to lie on others
+            lies_on_itself[a] = true;  // unless a larger area of it is opposite to other sides
         else if (!lies_on_itself[a] && !lies_on_itself[b])
             sides.lie_on_one_another(a, b);
     }
@@ -185,7 +185,8 @@ std::vector<bool> inner_sides(const std::vector<Polygon>& polygons, const std::v
 
 enum class Side : char { kUnknown, kOuter, kInner };
 
-// What lies on nothing goes with the side that it goes on smoothly from, the nearest one.
+// A polygon without an opposite one belongs to the side from which it continues smoothly. If there are
+// several, it is the nearest.
 void spread(const Surface& surface, const std::vector<Polygon>& polygons, std::vector<Side>& side) {
     std::vector<std::vector<Index>> beside(polygons.size());
     for (const Edge& e : surface.edges) {
@@ -214,7 +215,7 @@ std::vector<Side> sides_by_area(const Surface& surface, const std::vector<Polygo
     return side;
 }
 
-// The lowest polygon of the part that every one is in.
+// For every polygon, the lowest polygon of its part.
 std::vector<Index> parts_of(const Surface& surface) {
     DisjointSets sets(surface.welded.polygons());
     for (const Edge& e : surface.edges)
@@ -244,7 +245,7 @@ OuterSide outer_side(const Surface& surface) {
     find_opposites(surface, triangles, polygons);
     const std::vector<Side> side = sides_by_area(surface, polygons);
     const std::vector<Index> part = parts_of(surface);
-    std::vector<double> area(polygons.size(), 0.0), inner(area), on_other(area);  // of parts
+    std::vector<double> area(polygons.size(), 0.0), inner(area), on_other(area);  // per part
     double whole = 0.0, whole_inner = 0.0;
     for (size_t p = 0; p < polygons.size(); ++p) {
         area[part[p]] += polygons[p].area;

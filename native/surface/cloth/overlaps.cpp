@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kReach = 1.0 / 30.0;  // of the garment's diagonal
 
-// Cosines: parts face the same way, and one is above the other, not beside it.
+// Cosines: the parts face the same way, and one is above the other, not beside it.
 constexpr float kSameWay = 0.5f, kAbove = 0.7f;
 
 class Search {
@@ -33,7 +33,7 @@ class Search {
         return false;
     }
 
-    // The nearest place of another part that lies under a vertex (outer), or over it.
+    // The nearest place of another part that is under a vertex (outer), or over it.
     SurfacePoint nearest(const TriangleTree& tree, double reach, Index v, bool outer) const {
         return tree
             .closest_within(
@@ -46,7 +46,7 @@ class Search {
     Index part_of(Index triangle) const {  // the lowest vertex of it
         return part_[surface_.welded.corner_vertex[surface_.triangles[triangle].corner[0]]];
     }
-    // Upwards from the lower one to the upper one, and both facing the same way.
+    // Whether the direction from the lower place to the upper one is outwards, and both face the same way.
     bool lies(Index v, bool outer, const SurfacePoint& place) const {
         const Vec3 way = (outer ? -1.0f : 1.0f) * (interpolate(surface_, place, rest_) - rest_[v]);
         const Vec3 normal = interpolate(surface_, place, normals_);

@@ -13,21 +13,21 @@ using base_cloth::Border, base_cloth::Borders;
 
 namespace {
 
-// Radius of a border over the diagonal of its part: how firmly it is held. A wrist is at 0.02, the leg of
-// trousers at 0.055, a short sleeve at 0.07, a hem at 0.17 and more.
+// Radius of a border / diagonal of its part. It decides how firmly the border is held. A wrist is at 0.02, a
+// trouser leg at 0.055, a short sleeve at 0.07, a hem at 0.17 and more.
 constexpr float kWrist = 0.03f, kSleeve = 0.05f, kLoose = 0.09f;
 constexpr float kSleeveHeld = 0.4f, kLegHeld = 0.01f;
 
-// What is at most this share of the diagonal above the lowest border is a hem or a leg: held as a sleeve is,
-// it could not ride up where a knee bends, and stood in folds above the foot. When it was not held at all, a
-// foot went through the cloth in a jump.
+// Share of the diagonal: a border that is at most this much above the lowest border is a hem or a trouser
+// leg. If it was held like a sleeve, it could not ride up when a knee bends, and made folds above the foot.
+// If it was not held at all, a foot went through the cloth in a jump.
 constexpr float kLowest = 0.1f;
 
-// Of a sheet that hangs, this share of its diagonal below the highest point of its outline. A sheet that lies
-// (a blanket), less than kHangs of the diagonal high, has no upper end.
+// The outline of a hanging sheet is held from its highest point down to this share of its diagonal. A sheet
+// that lies flat (a blanket), with a height of less than kHangs of the diagonal, has no upper end.
 constexpr float kSheetHeld = 0.06f, kHangs = 0.25f;
 
-// Over this share of the part's diagonal the hold of a border fades out.
+// The hold of a border fades out over this share of the part's diagonal.
 constexpr float kFade = 0.07f;
 
 float held_by_width(float fraction, bool lowest) {
@@ -37,7 +37,7 @@ float held_by_width(float fraction, bool lowest) {
     return sleeve * std::clamp((kLoose - fraction) / (kLoose - kSleeve), 0.0f, 1.0f);
 }
 
-// Raises `follow` around vertices, by the distance along the edges.
+// Increases `follow` around vertices, depending on the distance along the edges.
 void hold(std::span<const Index> vertices, float firmly, float reach, const EdgeGraph& graph,
           std::vector<float>& follow) {
     std::vector<float> distance(graph.size(), std::numeric_limits<float>::max());
@@ -47,7 +47,8 @@ void hold(std::span<const Index> vertices, float firmly, float reach, const Edge
     });
 }
 
-// The outline of a garment of which more than half is a sheet; else nothing. Its pockets are sheets as well.
+// The outline of a garment if more than half of the garment is this sheet; else nothing. Pockets are sheets
+// too.
 const Border* find_sheet(const Borders& borders) {
     std::vector<size_t> vertices(size_t(borders.parts), 0), outlines(vertices);
     for (const Index part : borders.part)
@@ -60,7 +61,7 @@ const Border* find_sheet(const Borders& borders) {
     return found == borders.all.end() ? nullptr : &*found;
 }
 
-// What a sheet is held by; nothing of one that lies.
+// The vertices that hold a sheet; none if it lies flat.
 std::vector<Index> find_upper_end(const Surface& surface, const Border& outline, float diagonal,
                                   const Vec3& up) {
     const auto height = [&](Index v) { return glm::dot(surface.positions_rest[v], up); };

@@ -10,14 +10,14 @@
 namespace rumple {
 namespace {
 
-constexpr float kReach = 0.1f;      // of the diagonal: over this length normals are smoothed
-constexpr double kMostSteps = 8.0;  // edges that this may be: what is denser is smoothed over less
+constexpr float kReach = 0.1f;      // of the diagonal: the length over which normals are smoothed
+constexpr double kMostSteps = 8.0;  // limit of this length, in edges; a denser mesh is smoothed over less
 
 float length_of(const Surface& surface, const Edge& edge) {
     return glm::distance(surface.positions_rest[edge.a], surface.positions_rest[edge.b]);
 }
 
-// A pass takes the mean over a vertex and its neighbours; n of them reach over the root of n edges.
+// One pass takes the mean of a vertex and its neighbours. n passes reach over sqrt(n) edges.
 int passes_for(const Surface& surface) {
     double sum = 0.0;
     for (const Edge& edge : surface.edges) sum += double(length_of(surface, edge));

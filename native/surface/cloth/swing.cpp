@@ -12,20 +12,20 @@
 namespace rumple::base_cloth {
 namespace {
 
-constexpr double kStepSlack = 1e-3;    // a time step may be longer than the longest by this share of it
-constexpr float kTurning = 1.0f / 30;  // what gains a speed within such a time is as fast: it only turns, s
-constexpr double kMostSteps = 64;      // of a frame: of one that lasts longer than so many, all are longer
+constexpr double kStepSlack = 1e-3;    // share by which a time step may exceed the longest one
+constexpr float kTurning = 1.0f / 30;  // s: speed gained in this time counts too: turning cloth is slow
+constexpr double kMostSteps = 64;      // in a frame; if it needs more, all of them are longer
 
 bool fits(const Model& model, const State* state) {
     return state && state->motion.position.size() == model.area.size() && matches(model, *state);
 }
 
-// What acts on every welded vertex beside gravity and the wind; each may be empty.
+// Fields that act on every welded vertex, in addition to gravity and the wind. Each may be empty.
 struct Acting {
-    std::vector<Vec3> air, push, resist;  // as in Swing; resist: z is nothing
+    std::vector<Vec3> air, push, resist;  // as in Swing; resist: z is unused
 
     Vec3 air_at(const Swing& swing, Index v) const { return air.empty() ? swing.wind : swing.wind + air[v]; }
-    // The mean over a triangle, to the bit that of its corners where they are alike.
+    // The mean over a triangle. If its corners are equal, it is exactly their value.
     Vec3 air_at(const Swing& swing, const std::array<Index, 3>& corner) const {
         const Vec3 first = air_at(swing, corner[0]);
         if (air.empty()) return first;
@@ -44,8 +44,8 @@ Acting acting_on(const Model& model, const Swing& swing) {
 }
 
 // ---------------------------------------------------------------- locomotion
-// The motion of the frame before in the object space of this one, after the part of the garment's own motion
-// that the inertia does not feel: in these coordinates Newton's laws hold for the whole frame.
+// The motion of the frame before, in the object space of this one. The part of the garment's own motion that
+// causes no inertia is applied to it. In these coordinates Newton's laws hold for the whole frame.
 Motion carried(const Model& model, const Swing& swing, const Pose& pose, Motion motion) {
     for (size_t v = 0; v < motion.position.size(); ++v) {
         motion.position[v] = swing.placement.of_point(motion.position[v]);
@@ -68,7 +68,7 @@ Vec3 at_or_none(const std::vector<Vec3>& of, size_t v) {
     return of.empty() ? Vec3(0.0f) : of[v];
 }
 
-// Whether what acts accelerates no vertex otherwise by more than `most`, object units / s^2.
+// Whether the forces on every vertex have changed by at most `most`, object units / s^2.
 bool acts_as_before(const Swing& swing, const Acting& acting, const Motion& was, float most) {
     if (was.wind != swing.wind) return false;
     for (size_t v = 0; v < was.position.size(); ++v) {
@@ -81,14 +81,14 @@ bool acts_as_before(const Swing& swing, const Acting& acting, const Motion& was,
     return true;
 }
 
-// Whether nothing that acts on the cloth changed, but for rounding, and it had come to rest: then it stays to
-// the bit.
+// Whether everything that acts on the cloth is the same but for rounding, and the cloth had come to rest.
+// Then it does not change at all.
 bool holds(const Model& model, const Settings& settings, const Swing& swing, const Acting& acting,
            const Pose& pose, const Motion& was, const State& state) {
     const float length = static_cast<float>(mean_length(model)), still = kHeldStrain * length;
     if (was.fastest > kStillSwing * length) return false;
     if (was.gravity != settings.gravity) return false;
-    // Against the pull back alone it then moves no vertex by more than `still`.
+    // A smaller change moves no vertex by more than `still` against the pull back alone.
     if (!acts_as_before(swing, acting, was, still * settings.follow)) return false;
     if (!same_pose(model, pose, state, still)) return false;
     for (size_t v = 0; v < pose.animated.size(); ++v) {
@@ -98,8 +98,8 @@ bool holds(const Model& model, const Settings& settings, const Swing& swing, con
 }
 
 // ---------------------------------------------------------------- a time step
-// Per vertex: what the air takes from its velocity, area / s. A triangle is pushed along its normal by the
-// square of the speed at which the air meets it; one of the two speeds is that at the beginning of the step.
+// Per vertex: the coefficient of air drag, area / s. A triangle is pushed along its normal by the square of
+// the speed of the air relative to it. One of the two factors is the speed at the beginning of the step.
 std::vector<glm::mat3> drag_of(const Model& model, const Swing& swing, const Acting& acting,
                                std::span<const Vec3> x, std::span<const Vec3> velocity) {
     std::vector<glm::mat3> out(x.size(), glm::mat3(0.0f));
@@ -118,7 +118,7 @@ std::vector<glm::mat3> drag_of(const Model& model, const Swing& swing, const Act
     return out;
 }
 
-// How far inertia takes every vertex; the edge of the room takes what it would do beyond.
+// The displacement of every vertex by inertia. It ends at the edge of the room.
 std::vector<Vec3> inertial_displacements(const Pose& pose, const Motion& motion, float h) {
     std::vector<Vec3> out;
     for (size_t v = 0; v < motion.position.size(); ++v) {
@@ -129,8 +129,8 @@ std::vector<Vec3> inertial_displacements(const Pose& pose, const Motion& motion,
     return out;
 }
 
-// What is pinned goes with the animation, what is free where inertia takes it: else conjugate gradients would
-// spend themselves on the pins.
+// Pinned vertices start at the animation, free vertices where inertia moves them. Otherwise most iterations
+// of conjugate gradients would be for the pins.
 std::vector<Vec3> first_guess(const Pose& pose, const Motion& motion, std::span<const Vec3> displacement,
                               float h) {
     std::vector<Vec3> out;
@@ -142,10 +142,10 @@ std::vector<Vec3> first_guess(const Pose& pose, const Motion& motion, std::span<
     return out;
 }
 
-// Half of A |x - y|^2 / h^2, y = from + displacement (Gast 2015), and what takes velocity, as functions
-// whose slope is the force at the end of the step: damping A d / (2 h) |(x - from) - (displacement of the
-// animation)|^2, air h / 2 u . D u, u = wind - (x - from) / h, what is pushed -A push . x, what is resisted
-// A r / (2 h) |x - from|^2.
+// Half of A |x - y|^2 / h^2, y = from + displacement (Gast 2015), and the forces that depend on velocity, as
+// functions whose slope is the force at the end of the step. Damping: A d / (2 h) |(x - from) - (displacement
+// of the animation)|^2. Air: h / 2 u . D u, u = wind - (x - from) / h. Push: -A push . x. Resistance: A r /
+// (2 h) |x - from|^2.
 Inertia inertia_of(const Model& model, const Swing& swing, const Acting& acting, const Pose& pose,
                    const Motion& motion, std::span<const Vec3> displacement, float h) {
     Inertia out{motion.position, {}, drag_of(model, swing, acting, motion.position, motion.velocity)};
@@ -165,7 +165,8 @@ Inertia inertia_of(const Model& model, const Swing& swing, const Acting& acting,
     return out;
 }
 
-// One time step of the length h. motion: becomes that of its end. Returns the speed that tells rest.
+// One time step of the length h. motion: receives the motion at its end. Returns the speed that decides
+// whether the cloth is at rest.
 float step(const Model& model, const Settings& settings, const Swing& swing, const Acting& acting,
            const Pose& pose, float h, Motion& motion, std::vector<Plane>& planes, Result& out) {
     const std::vector<Vec3> displacement = inertial_displacements(pose, motion, h);
@@ -188,8 +189,8 @@ float step(const Model& model, const Settings& settings, const Swing& swing, con
     return fastest;
 }
 
-// The animation at a share of the way to a pose: the parabola through it and the two frames before. Straight
-// lines would jerk the cloth at every frame, at 24 frames a second more than at 60.
+// The animated positions at a fraction of the frame: a parabola through this pose and the two frames before.
+// Linear interpolation would jerk the cloth at every frame, at 24 frames per second more than at 60.
 std::vector<Vec3> animated_at(const Pose& pose, const Motion& was, float seconds, float fraction) {
     const float before = was.seconds > 0.0f ? was.seconds / seconds : 1.0f;
     std::vector<Vec3> out;
@@ -202,7 +203,7 @@ std::vector<Vec3> animated_at(const Pose& pose, const Motion& was, float seconds
     return out;
 }
 
-// The time steps of a frame. was: carried. Returns the motion at its end.
+// The time steps of a frame. was: from carried(). Returns the motion at its end.
 Motion step_through(const Model& model, const Settings& settings, const Swing& swing, const Acting& acting,
                     const Pose& pose, const Motion& was, std::vector<Plane>& planes, Result& out) {
     const double wanted = std::ceil(double(swing.seconds) / double(swing.longest_step) - kStepSlack);
@@ -224,7 +225,7 @@ Motion step_through(const Model& model, const Settings& settings, const Swing& s
 }
 
 // ---------------------------------------------------------------- a frame
-// The equilibrium of the pose, at rest.
+// The equilibrium of the pose, with zero velocity.
 Result from_rest(const Model& model, const Settings& settings, const Swing& swing, Acting acting,
                  const Pose& pose, bool has_bodies, std::vector<Index> body_hint) {
     Result out = solve_pose(model, settings, pose, has_bodies, std::move(body_hint), nullptr);
@@ -241,7 +242,7 @@ Result from_rest(const Model& model, const Settings& settings, const Swing& swin
     return out;
 }
 
-// One per vertex, or none.
+// Checks for one value per vertex, or none.
 void check_vectors(const char* name, std::span<const Vec3> values, size_t vertices) {
     if (!values.empty()) expect_count(name, values.size(), vertices, "vertices");
     for (const Vec3& value : values) {
