@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The share of every round that a vertex takes, one texel per welded vertex: the largest that its links ask for.
-// out_activity: that share, in x.
+// The share of every relaxation round that a vertex takes, one texel per welded vertex: the largest share of its links.
+// out_activity: this share, in x.
 
 void main() {
     vec4 own = TEXEL(vertices, THIS_TEXEL(vertices));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Puts a drawn layer into the viewport. Where Blender's proxy is before the layer, the layer is as near as that:
-// only what is before the proxy hides it, and overlays. Depths are 0 where nothing is.
+// Draws a layer into the viewport. If Blender's proxy is nearer than the layer, the layer takes the proxy's depth. So
+// only objects in front of the proxy hide it, and overlays. A depth of 0 means an empty pixel.
 void main() {
     ivec2 at = ivec2(gl_FragCoord.xy) - origin;
     float ours = texelFetch(layer_depth, at, 0).x, theirs = texelFetch(proxy_depth, at, 0).x;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The waves as they are drawn, one texel per welded vertex: lower where they disagree with those around them.
-//   waves      wave vector and h, as "Crush" left them
-// out_waves: the same with the h that is left.
+// The waves as they are drawn, one texel per welded vertex. They are lower where they disagree with waves around them.
+//   waves      wave vector and h, from "Crush"
+// out_waves: the same with the reduced h.
 
 void main() {
     int v = THIS_TEXEL(vertices);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What does not change between the rounds of a frame, one texel per neighbour of a vertex.
+// The values that stay the same in all rounds of a frame, one texel per neighbour of a vertex.
 //   solved     the offset that was last relaxed, in x
 // out_link: neighbour, its weight, Link; out_solved: the offset that now counts as relaxed, its activity.
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// "Crush" (section 4.2), one texel per welded vertex; wrinkle_field::estimate_waves() is its twin.
-//   vertices   first neighbour, number of neighbours, W or 0 where the rest pose has no frame, mask
-//   wave_parameters  q, turn of the irregularity
+// "Crush" (section 4.2), one texel per welded vertex. wrinkle_field::estimate_waves() computes the same.
+//   vertices   first neighbour, number of neighbours, W (0 if the rest pose has no frame), mask
+//   wave_parameters  q, angle of the irregularity
 //   neighbours neighbour, gradient, the vertex itself
 //   before     k of the frame before, in xy
-//   stretches  xx, xy, yy of U from the reference triangles, where the rest shape adapts; else anything
+//   stretches  xx, xy, yy of U from the reference triangles if the rest shape adapts; else unused
 // out_waves: 2 pi / W k' and h; out_estimate: k, fullness, r.
 
 void main() {

@@ -6,7 +6,7 @@ struct Wrinkle {
     vec3 gradient;  // equation (8)
 };
 
-// Waves finer than pixels would turn into noise: they fade from 4 pixels a wave to 2.
+// Waves finer than pixels would become noise, so waves fade out between 4 pixels and 2 pixels per wave.
 float visible(float phase_here) { return clamp(2.0 - 4.0 * fwidth(phase_here) / kTwoPi, 0.0, 1.0); }
 
 void add_wave(inout Wrinkle wrinkle, float phase_here, float weight_here, vec3 wave_vector) {

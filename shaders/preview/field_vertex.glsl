@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// "Render" (section 6), vertex stage: triangles that share no vertex. `triangle`: the welded vertices A, B, C;
-// `corner`: which of them this is.
+// "Render" (section 6), vertex stage. Triangles share no vertices. `triangle`: the welded vertices A, B, C; `corner`:
+// which of them this vertex is.
 
 float phase_here(vec4 wave, int at, vec3 x) {
     return dot(wave.xyz, x - TEXEL(positions, at).xyz) + TEXEL(phases, at).x;
@@ -13,7 +13,7 @@ void main() {
     vector_a = wave_a.xyz;
     vector_b = wave_b.xyz;
     vector_c = wave_c.xyz;
-    // Both are linear on the triangle, so that their products in the fragment stage are equation (5).
+    // Both are linear on the triangle, so their products in the fragment stage give equation (5).
     phase = vec3(phase_here(wave_a, triangle.x, x), phase_here(wave_b, triangle.y, x),
                  phase_here(wave_c, triangle.z, x));
     weight = vec3(corner == 0, corner == 1, corner == 2) * vec3(wave_a.w, wave_b.w, wave_c.w);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Section 7.5 at a point, over the lists of section 7.2; folds_at() of native/systems/wrinkle_paths/preview.cpp is its
-// twin.
+// Section 7.5 at a point, from the lists of section 7.2. folds_at() of native/systems/wrinkle_paths/preview.cpp
+// computes the same.
 //   ranges  first piece and end of the pieces of one fold
 //   ends    two texels each: FoldEnd
 
@@ -14,7 +14,7 @@ FoldEnd fold_end(int i) {
     return end;
 }
 
-// list: first range of the triangle and end of its ranges. p: on the flat triangle. n, fraction: as with_fold() has them.
+// list: first range of the triangle and end of its ranges. p: on the flat triangle. n, fraction: as in with_fold().
 FoldBlend folds_at(ivec2 list, vec3 p, vec3 n, float fraction) {
     FoldBlend blend = no_folds();
     for (int r = list.x; r < list.y; ++r) {

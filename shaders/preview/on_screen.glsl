@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// gl_Position of a place in object space, a little nearer than what Blender draws there. Towards the viewer: no pixel
-// changes its place.
+// gl_Position of a place in object space, a little nearer than Blender's own drawing there. It moves towards the
+// viewer, so it stays in the same pixel.
 vec4 on_screen(vec3 place) {
     vec4 view = preview.model_view * vec4(place, 1.0);
     vec4 position = preview.projection * view;

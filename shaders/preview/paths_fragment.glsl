@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Section 7.4: the normal of every pixel by the same lists as the shape, then the viewport's studio light. Into a layer
-// with a depth of its own.
+// Section 7.4: the normal of every pixel, from the same lists as the shape, then the viewport's studio light. The
+// result is a layer with its own depth.
 
 void main() {
     float size = length(normal);

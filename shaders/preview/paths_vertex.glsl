@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Section 7.3: patterns of `parts` parts along an edge, laid over triangles. wrinkle_paths::drawn_at() is its twin.
-//   spot       which of the patches from `first_patch` on, steps of 1 / parts towards corners 1 and 2
+// Section 7.3: patterns with `parts` parts per edge on the triangles. wrinkle_paths::drawn_at() computes the same.
+//   spot       index of the patch from `first_patch` on, steps of 1 / parts towards corners 1 and 2
 //   patches    two texels each: triangle, its first range and the end of its ranges; parts of its edges
 //   triangles  welded vertices
-//   flats      welded vertices, w: factor on folds;  smooths, normals: Drawing of native/systems/wrinkle_paths/preview.h
-//   uvs        three a triangle
+//   flats      welded vertices, w: factor on folds;  smooths, normals: see Drawing in wrinkle_paths/preview.h
+//   uvs        three per triangle
 
-// Weights of the corners. On an edge that has fewer parts than the triangle the nearest of its points.
+// Weights of the corners. On an edge with fewer parts than the triangle it is the nearest point of the edge.
 vec3 weights_of(ivec2 steps, ivec3 edges) {
     vec3 b = vec3(parts - steps.x - steps.y, steps.x, steps.y) / float(parts);
     for (int k = 0; k < 3; ++k) {
@@ -25,8 +25,8 @@ void main() {
     vec3 b = weights_of(spot.yz, ivec3(TEXEL(patches, 2 * (first_patch + spot.x) + 1).xyz));
     image_uv = b.x * TEXEL(uvs, 3 * t).xy + b.y * TEXEL(uvs, 3 * t + 1).xy + b.z * TEXEL(uvs, 3 * t + 2).xy;
 
-    // In the order of their numbers: both triangles beside an edge compute its points from the same numbers in the same
-    // order, so that nothing tears.
+    // In ascending order of vertices. Both triangles at an edge then compute the edge's points from the same numbers in
+    // the same order, so there are no gaps.
     ivec3 v = ivec3(TEXEL(triangles, t).xyz);
     if (v.x > v.y) { v = v.yxz; b = b.yxz; }
     if (v.y > v.z) { v = v.xzy; b = b.xzy; }

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What a drawing is given besides textures; blender/viewport/preview.py fills it, in this order.
+// The parameters of a drawing besides textures. blender/viewport/preview.py fills them in, in this order.
 struct Preview {
     mat4 model_view;
     mat4 projection;
     mat4 normal_to_view;
-    vec4 viewer;        // object space: the eye with w = 1, or the way to it with w = 0
+    vec4 viewer;        // object space: the eye with w = 1, or the direction to it with w = 0
     vec4 color;         // scene linear
     vec4 direction[4];  // of the lights, view space, unit
     vec4 diffuse[4];    // w: how far the light wraps round

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// "Relax" (section 5.2), a round of equation (6), one texel per welded vertex. out_phase: phi, in x.
+// "Relax" (section 5.2): one round of equation (6), one texel per welded vertex. out_phase: phi, in x.
 
 void main() {
     int v = THIS_TEXEL(vertices);

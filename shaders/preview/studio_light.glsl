@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The four lights of Blender's Solid shading, after what its Workbench engine does
-// (workbench_world_light_lib.glsl), so that the preview does not stand out of the viewport. View space.
+// The four lights of Blender's Solid shading, like in its Workbench engine (workbench_world_light_lib.glsl), so that
+// the preview looks like the rest of the viewport. View space.
 
-// 1 / x as Workbench has it, by a trick of bits, up to 12 % too small: the exact one would be seen.
+// 1 / x by bit operations like Workbench, up to 12 % too small. An exact quotient would look different.
 vec4 rough_reciprocal(vec4 x) { return intBitsToFloat(0x7eef370b - floatBitsToInt(x)); }
 
 vec4 wrapped_light(vec4 facing, vec4 wrap) {

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What Blender has drawn over the scene by now stays over what is drawn here: bones, outlines, wires, empties.
-// overlays: its pixels, multiplied by alpha, then in sRGB unless overlays_are_linear.
+// Keeps overlays that Blender has already drawn (bones, outlines, wires, empties) above what is drawn here.
+// overlays: their pixels, multiplied by alpha, then in sRGB unless overlays_are_linear.
 float linear_of(float value) {
     return value < 0.04045 ? value / 12.92 : pow((value + 0.055) / 1.055, 2.4);
 }
 
-// color: scene linear. at: pixel of the viewport; the overlays begin at overlays_corner.
+// color: scene linear. at: pixel of the viewport. The overlays begin at overlays_corner.
 vec4 under_overlays(vec4 color, ivec2 at) {
     ivec2 texel = at - overlays_corner, size = textureSize(overlays, 0);
     if (min(texel.x, texel.y) < 0 || texel.x >= size.x || texel.y >= size.y) return color;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Gradients of the texture (equation 11), one texel per fan of corners: the mean over its triangles, by area, so
-// that nothing tears at their edges.
+// Gradients of the texture (equation 11), one texel per fan of corners: the mean over the fan's triangles, weighted by
+// area, so that there are no gaps at their edges.
 //   fans         first corner in fan_corners, number of corners
 //   fan_corners  two texels each: the vertices A, B, C of its triangle; uv_B - uv_A, uv_C - uv_A
 // out_u, out_v: du/dx', dv/dx'.

@@ -2,11 +2,11 @@
 // PN triangles: A. Vlachos et al., Curved PN Triangles, 2001, section 3.1.
 // One text for C++ (native/base/formulas.h) and GLSL (the viewport preview).
 
-// A third of the way from p to `other`, dropped onto the tangent plane at p with unit normal n.
+// A third of the way from p to `other`, projected to the tangent plane at p with the unit normal n.
 FORMULA vec3 pn_control(vec3 p, vec3 n, vec3 other) { return (2.0f * p + other - dot(other - p, n) * n) / 3.0f; }
 
-// The cubic Bezier triangle at weight u of corner 1 and v of corner 2. n0 to n2: unit normals at the corners; zero for
-// a flat one.
+// The cubic Bezier triangle at weight u of corner 1 and v of corner 2. n0 to n2: unit normals at the corners; zero
+// normals give a flat triangle.
 FORMULA vec3 pn_point(vec3 p0, vec3 p1, vec3 p2, vec3 n0, vec3 n1, vec3 n2, float u, float v) {
     float w = 1.0f - u - v;
     vec3 b01 = pn_control(p0, n0, p1);

@@ -6,26 +6,26 @@
 
 const float kTwoPi = 6.28318530717958648f;
 
-// Unit: none. Below this compression ratio a neighbourhood has collapsed: no wrinkle.
+// Unit: none. At a smaller compression ratio a neighbourhood has collapsed and has no wrinkle.
 const float kCollapsed = 0.05f;
 
-// Unit: none (sine of an angle). A tangent so close to the normal has no direction.
+// Unit: none (sine of an angle). A tangent that is so close to the normal has no direction.
 const float kNoTangent = 1e-3f;
 
-// Unit: radians. A phase that would move by less stays: a standing figure comes to
-// rest to the bit. A ten-thousandth of a radian is 1/60,000 of a wavelength.
+// Unit: radians. A phase does not move by less than this, so that a standing figure comes to rest exactly. A
+// ten-thousandth of a radian is 1/60,000 of a wavelength.
 const float kStillPhase = 1e-4f;
 
 // Unit: radians. See activity().
 const float kHeldPhase = 2e-3f;
 const float kFreePhase = 5e-2f;
 
-// Intervals of a profile table over half a period.
+// Number of intervals of a profile table over half a period.
 const int kProfileIntervals = 64;
 
 // ---- Crush (section 4.2)
 
-// t of a tangent frame: the way to a neighbour, projected along the unit normal n.
+// t of a tangent frame: the vector to a neighbour, projected along the unit normal n.
 FORMULA vec3 tangent_towards(vec3 displacement, vec3 n) {
     vec3 t = displacement - dot(displacement, n) * n;
     float t_length = length(t);
@@ -33,9 +33,9 @@ FORMULA vec3 tangent_towards(vec3 displacement, vec3 n) {
     return t / t_length;
 }
 
-// v of a way to a neighbour: its tangent-space direction with the way's own length.
-// As printed (true_length false) it is the projection, which is shorter where the
-// surface bends, so that bending alone would count as compression.
+// v of a vector to a neighbour: its direction in tangent space with its own length. As in the paper (true_length
+// false) it is the projection, which is shorter if the surface bends, so that bending alone would count as
+// compression.
 FORMULA vec2 tangent_space(vec3 displacement, vec3 t, vec3 b, bool true_length) {
     vec2 v = vec2(dot(t, displacement), dot(b, displacement));
     float v_length = length(v);
@@ -43,9 +43,9 @@ FORMULA vec2 tangent_space(vec3 displacement, vec3 t, vec3 b, bool true_length) 
     return v * (length(displacement) / v_length);
 }
 
-// v_i of equation (1) premultiplied by the inverse of the sum of v_i (x) v_i, so that
-// M = sum of v'_i (x) gradient_i. moments: that sum. Zero where the neighbours are
-// collinear: then M is zero, which is a collapsed neighbourhood.
+// v_i of equation (1) multiplied by the inverse of the sum of v_i (x) v_i, so that M = sum of v'_i (x)
+// gradient_i. moments: this sum. Zero if the neighbours are collinear; then M is zero, as for a collapsed
+// neighbourhood.
 FORMULA vec2 regression_gradient(mat2 moments, vec2 v) {
     float det = moments[0][0] * moments[1][1] - moments[1][0] * moments[0][1];
     float trace = moments[0][0] + moments[1][1];
@@ -53,19 +53,19 @@ FORMULA vec2 regression_gradient(mat2 moments, vec2 v) {
     return vec2(moments[1][1] * v.x - moments[1][0] * v.y, moments[0][0] * v.y - moments[0][1] * v.x) / det;
 }
 
-// What the deformation of a neighbourhood asks of the wave there.
+// The wave that the deformation of a neighbourhood requires.
 struct WaveEstimate {
-    float r;          // strength of the strongest compression: length over rest length, 1 = as at rest
-    float fullness;   // amplitude over W/4: fullness_of()
-    vec2 k;           // its direction, unit, in the rest frame; sign as `before`
+    float r;          // strongest compression: length / rest length, 1 = as at rest
+    float fullness;   // amplitude / (W/4): fullness_of()
+    vec2 k;           // direction of the compression, unit, in the rest frame; sign as `before`
     vec2 k_deformed;  // k' = (L^-1)^T k of section 5.1, in the deformed frame
 };
 
-// a (x) b; Metal has no such function.
+// a (x) b. Metal has no such function.
 FORMULA mat2 outer_product(vec2 a, vec2 b) { return mat2(a * b.x, a * b.y); }
 
-// M of equation (1) with another stretch: the rotation of m times `stretch` (xx, xy, yy), which is symmetric
-// and in the rest frame.
+// M of equation (1) with another stretch: the rotation of m times `stretch` (xx, xy, yy), a symmetric tensor in the
+// rest frame.
 FORMULA mat2 restretched(mat2 m, vec3 stretch) {
     vec2 turn = vec2(m[0][0] + m[1][1], m[0][1] - m[1][0]);
     float size = length(turn);
@@ -74,18 +74,18 @@ FORMULA mat2 restretched(mat2 m, vec3 stretch) {
            mat2(vec2(stretch.x, stretch.y), vec2(stretch.y, stretch.z));
 }
 
-// Amplitude over W/4, equation (2), of cloth that is compressed to r, r2 its square. Not in the paper: what
-// loses less than `threshold` of its length stays smooth, but for the painted q, which alone makes 1 - q^2 of
-// it.
+// Amplitude / (W/4), equation (2), for cloth with the compression r. r2: its square. Not in the paper: cloth that
+// loses less than `threshold` of its length stays smooth. This does not affect the painted q, which alone gives 1 -
+// q^2.
 FORMULA float fullness_of(float r2, vec2 q, float threshold) {
     float smooth_part = 1.0f - threshold;
     float painted = 1.0f - dot(q, q);
     return sqrt(max(1.0f - min(r2 / (smooth_part * smooth_part), max(r2, painted * painted)), 0.0f));
 }
 
-// m: M of equation (1). q: painted rest-pose wrinkle in the rest frame, shorter than 1
-// (section 7). before: k of the frame before, or zero. turn: (cos, sin) of the angle by
-// which irregularity turns the wave away from k. threshold: as of fullness_of().
+// m: M of equation (1). q: painted rest-pose wrinkle in the rest frame, shorter than 1 (section 7). before: k of the
+// frame before, or zero. turn: (cos, sin) of the angle by which irregularity rotates the wave away from k. threshold:
+// as in fullness_of().
 FORMULA WaveEstimate estimate_wave(mat2 m, vec2 q, vec2 before, vec2 turn, float threshold) {
     mat2 mq = m * (mat2(1.0f) - outer_product(q, q));  // M (E - q (x) q)
     mat2 c = transpose(mq) * mq;
@@ -94,7 +94,7 @@ FORMULA WaveEstimate estimate_wave(mat2 m, vec2 q, vec2 before, vec2 turn, float
     float large = mean + sqrt(half_difference * half_difference + c[1][0] * c[1][0]);
     float det = mq[0][0] * mq[1][1] - mq[1][0] * mq[0][1];
     WaveEstimate result;
-    // The smaller eigenvalue by the determinant: no cancellation where it is small.
+    // The smaller eigenvalue from the determinant: no cancellation if it is small.
     float r2 = large > 0.0f ? det * det / large : 0.0f;
     result.r = sqrt(r2);
     // The longer column of C - large E is the eigenvector of the smaller one.
@@ -110,7 +110,7 @@ FORMULA WaveEstimate estimate_wave(mat2 m, vec2 q, vec2 before, vec2 turn, float
     if (result.r < kCollapsed) return result;
     result.fullness = fullness_of(r2, q, threshold);
     vec2 turned = vec2(turn.x * k.x - turn.y * k.y, turn.y * k.x + turn.x * k.y);
-    // (M^-1)^T by the cofactors of M.
+    // (M^-1)^T from the cofactors of M.
     result.k_deformed =
         vec2(mq[1][1] * turned.x - mq[0][1] * turned.y, mq[0][0] * turned.y - mq[1][0] * turned.x) / det;
     return result;
@@ -118,15 +118,15 @@ FORMULA WaveEstimate estimate_wave(mat2 m, vec2 q, vec2 before, vec2 turn, float
 
 // ---- Relax (section 5.2)
 
-// The weight of a neighbour. The paper prints max(min(4 h - 0.2, 1), 0) with h in the
-// unit of its own scene; here h is relative to W/4, its largest value.
+// The weight of a neighbour. In the paper it is max(min(4 h - 0.2, 1), 0) with h in the unit of its scene. Here h is
+// relative to W/4, its largest value.
 FORMULA float attenuation(float fullness) { return clamp(4.0f * fullness - 0.2f, 0.0f, 1.0f); }
 
-// x - floor(x + 1/2): the way to the nearest integer, in [-1/2, 1/2).
+// x - floor(x + 1/2): the difference from the nearest integer, in [-1/2, 1/2).
 FORMULA float to_nearest(float x) { return x - floor(x + 0.5f); }
 
-// How the phases of two neighbours compare, half-way between them:
-// psi_n - psi_0 = flip phi_n - phi_0 + offset.
+// The relation of the phases of two neighbours, half-way between them: psi_n - psi_0 = flip phi_n - phi_0 +
+// offset.
 struct Link {
     float flip;    // sgn(k'_n . k'_0)
     float offset;  // radians
@@ -152,9 +152,9 @@ FORMULA float misfit(Link link, float phase, float neighbour_phase) {
     return to_nearest((link.flip * neighbour_phase - phase + link.offset) / kTwoPi);
 }
 
-// The share of a round that a link asks for whose offset has changed by so much (radians) since it was last relaxed:
-// none below the jitter of bone matrices, all of it from where the change begins to show. It begins with a jump: a
-// smooth beginning would relax next to nothing and count it as done, so that slow drift were never followed.
+// The share of a relaxation round for a link whose offset has changed by this amount (radians) since it was last
+// relaxed: 0 below the jitter of bone matrices, 1 from where the change becomes visible. It starts with a jump. With a
+// smooth start, slow drift would be relaxed by almost nothing and then count as done, so it would never be followed.
 FORMULA float activity(float change) {
     return abs(change) < kHeldPhase ? 0.0f : min(abs(change) / kFreePhase, 1.0f);
 }
@@ -162,9 +162,9 @@ FORMULA float activity(float change) {
 // A phase in [-pi, pi).
 FORMULA float wrapped(float phase) { return kTwoPi * to_nearest(phase / kTwoPi); }
 
-// Equation (6): phi_0 - epsilon dE_0/dphi_0, with dE_0/dphi_0 = -1/(pi N) sum of w_n
-// misfit_n. rate = epsilon / (2 pi^2): 1 is the mean of what the neighbours ask for.
-// Stable below 1: the steps of neighbours then never overshoot together.
+// Equation (6): phi_0 - epsilon dE_0/dphi_0, with dE_0/dphi_0 = -1/(pi N) sum of w_n misfit_n. rate = epsilon / (2
+// pi^2): 1 gives the mean of the neighbours' values. Stable below 1, because then the steps of neighbours never
+// overshoot together.
 FORMULA float relaxed(float phase, float weighted_misfit_sum, float neighbours, float rate) {
     if (neighbours <= 0.0f) return phase;
     float change = rate * kTwoPi * weighted_misfit_sum / neighbours;
@@ -173,9 +173,9 @@ FORMULA float relaxed(float phase, float weighted_misfit_sum, float neighbours, 
 
 // ---- Where waves disagree (not in the paper)
 
-// How far a neighbour's wave is the vertex's own half-way between them, -1..1: the real part of
-// exp(i psi_n) / exp(i psi_0), times the cosine of the angle between both waves, for across one another they have no
-// phase in common. wave_vector, neighbour_wave_vector: as link_waves() has them, which gave `link`.
+// How well the waves of a neighbour and a vertex agree half-way between them, -1..1: the real part of exp(i psi_n) /
+// exp(i psi_0), times the cosine of the angle between both waves, because waves in different directions have no common
+// phase. wave_vector, neighbour_wave_vector: the arguments of link_waves() that gave `link`.
 FORMULA float agreement(vec3 wave_vector, vec3 neighbour_wave_vector, Link link, float phase, float neighbour_phase) {
     float lengths = length(wave_vector) * length(neighbour_wave_vector);
     if (lengths <= 0.0f) return 0.0f;
@@ -183,10 +183,10 @@ FORMULA float agreement(vec3 wave_vector, vec3 neighbour_wave_vector, Link link,
     return angle * cos(kTwoPi * misfit(link, phase, neighbour_phase));
 }
 
-// Share of its height that a wave keeps. agreed: mean of the agreement with itself (1) and with the neighbours, by
-// their weights. Below kFork waves fork there: none; from kInStep on they run side by side: all of it.
-// A vertex in the middle of a fork agrees with itself alone: 1 / (n + 1) with n neighbours, a fifth with four and
-// less with more. Waves an eighth of a turn apart agree by cos(pi / 4) = 0.7: so far the eye joins their crests.
+// Share of its height that a wave keeps. agreed: weighted mean of the agreement with itself (1) and with the
+// neighbours. Below kFork waves fork there: 0. From kInStep on they run side by side: 1. A vertex in the middle of a
+// fork agrees only with itself: 1 / (n + 1) with n neighbours, a fifth with four and less with more. Waves with a phase
+// difference of an eighth of a turn agree by cos(pi / 4) = 0.7. Up to this, the eye still joins their crests.
 const float kFork = 0.2f;
 const float kInStep = 0.7f;
 FORMULA float kept_at_fork(float agreed) {
@@ -196,11 +196,11 @@ FORMULA float kept_at_fork(float agreed) {
 
 // ---- Profiles (section 6.3)
 
-// Where a phase lies in the table of half a period; the other half is its mirror image,
-// so that f is 2 pi periodic and f(phi) = f(-phi) by construction.
+// The place of a phase in the table of half a period. The other half is its mirror image, so f is 2 pi periodic and
+// f(phi) = f(-phi) by construction.
 struct ProfilePlace {
     int index;       // 0 .. kProfileIntervals - 1
-    float fraction;  // of the way to the next entry
+    float fraction;  // of the distance to the next entry
     float sign;      // of df/dphi, which is odd
 };
 
@@ -217,18 +217,18 @@ FORMULA ProfilePlace profile_place(float phase) {
 
 // ---- Rendering (section 6.2)
 
-// Unit: none (sine of an angle). Corners on a line leave no more than this of an area: rounding, another one where
-// products are fused, as graphics cards do. Its direction is any, and would count as much as a neighbour's.
+// Unit: none (sine of an angle). Corners on a line leave an area below this from rounding, which differs if products
+// are fused, as on graphics cards. Its direction is random, but would count as much as a neighbour's.
 const float kNoTriangle = 1e-6f;
 
-// What a deformed triangle ABC says of the gradients of uv, times its area: corners take the mean of their fan.
+// Contribution of a deformed triangle ABC to the gradients of uv, times its area. Corners take the mean of their fan.
 struct UvSlopes {
     vec3 u;      // du/dx' of equation (11) times `area`, 1 per object unit
     vec3 v;
-    float area;  // twice the triangle's, > 0; or zero, with zero slopes
+    float area;  // twice the triangle's area, > 0; or zero, with zero slopes
 };
 
-// b = x'_B - x'_A, c = x'_C - x'_A; uv_b, uv_c: the same of the texture.
+// b = x'_B - x'_A, c = x'_C - x'_A; uv_b, uv_c: the same differences of uv.
 FORMULA UvSlopes uv_slopes(vec3 b, vec3 c, vec2 uv_b, vec2 uv_c) {
     UvSlopes result;
     vec3 normal = cross(b, c);
@@ -240,8 +240,8 @@ FORMULA UvSlopes uv_slopes(vec3 b, vec3 c, vec2 uv_b, vec2 uv_c) {
     return result;
 }
 
-// Equation (10) without its factor h: the way along the surface to where the ray through a crest of height 1
-// meets it. v: towards the viewer, any length; n: unit normal. Zero at the horizon.
+// Equation (10) without its factor h: the vector along the surface to the point where the ray through a crest of height
+// 1 meets it. v: towards the viewer, any length; n: unit normal. Zero at the horizon.
 FORMULA vec3 parallax(vec3 v, vec3 n) {
     float facing = dot(v, n);
     return (v - facing * n) * (facing / (facing * facing + 0.1f * dot(v, v)));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// For tests: every formula of wrinkle_field.glsl under a number, numbers in and numbers out, so that C++ and
-// GLSL can be compared. Columns of x hold the arguments, columns of the result what comes out; the rest is zero.
+// For tests: calls every formula of wrinkle_field.glsl by a number, so that C++ and GLSL can be compared. Columns of x
+// are the arguments, columns of the result are the results; the others are zero.
 
 FORMULA vec3 probe_3(vec4 x) { return vec3(x.x, x.y, x.z); }
 FORMULA vec2 probe_2(vec4 x) { return vec2(x.x, x.y); }

@@ -12,13 +12,13 @@ const float kFoldPi = 3.14159265358979324f;
 
 // ---- The cross-section (section 6.1)
 
-// A profile of height 1 and its slope at x of the way from the crest (0) to the foot (1).
+// A profile of height 1 and its slope at x, from 0 at the crest to 1 at the foot.
 struct FoldProfile {
     float height;
     float slope;  // d height / d x
 };
 
-// x >= 0; flat at the crest and from the foot on.
+// x >= 0; flat at the crest, and from the foot on.
 FORMULA FoldProfile fold_profile(int kind, float x) {
     FoldProfile p;
     p.height = 0.0f;
@@ -49,16 +49,16 @@ FORMULA FoldProfile fold_profile(int kind, float x) {
 struct FoldEnd {
     vec3 at;       // object space
     float width;   // L there
-    vec3 along;    // s_i of eq. 7.1: mean direction of the pieces beside, unit
+    vec3 along;    // s_i of eq. 7.1: mean direction of the adjacent pieces, unit
     float height;  // signed
 };
 
 struct FoldHeight {
     float height;
-    vec3 gradient;  // across the path: with the smooth normal n the folded one is n - gradient
+    vec3 gradient;  // across the path: with the smooth normal n the normal of the fold is n - gradient
 };
 
-// What the piece gives a point p that is projected to `fraction` of it, if it is on it.
+// The height of a piece at a point p that is projected to its `fraction`; zero if p is not on the piece.
 FORMULA FoldHeight fold_at(int kind, FoldEnd a, FoldEnd b, vec3 p, float fraction) {
     FoldHeight result;
     result.height = 0.0f;
@@ -75,7 +75,7 @@ FORMULA FoldHeight fold_at(int kind, FoldEnd a, FoldEnd b, vec3 p, float fractio
 }
 
 // Equations 7.1 to 7.3: p is projected along the lines between the Voronoi cells of the path, so that neighbouring
-// pieces agree there. s1 belongs to the start of the piece, s0 to its end. The higher of both roots.
+// pieces agree there. s1 belongs to the start of the piece, s0 to its end. Of both roots the greater height counts.
 FORMULA FoldHeight fold_height(int kind, FoldEnd start, FoldEnd end, vec3 p) {
     vec3 z0 = end.at - start.at;
     vec3 z1 = start.at - p;
@@ -85,7 +85,7 @@ FORMULA FoldHeight fold_height(int kind, FoldEnd start, FoldEnd end, vec3 p) {
     float b = dot(z0, s1) + dot(z1, s0 - s1);
     float c = dot(z1, s1);
     float square = b * b - 4.0f * a * c;
-    // Without cancellation: one root is c / q, the other q / a.
+    // Without cancellation: the roots are c / q and q / a.
     float q = -0.5f * (b + (b < 0.0f ? -1.0f : 1.0f) * sqrt(max(square, 0.0f)));
     bool real = square >= 0.0f;
     FoldHeight first = fold_at(kind, start, end, p, real && q != 0.0f ? c / q : -1.0f);
@@ -97,8 +97,8 @@ FORMULA FoldHeight fold_height(int kind, FoldEnd start, FoldEnd end, vec3 p) {
 // ---- Several folds at one point (section 7.5)
 
 struct FoldBlend {
-    float height;  // of the highest
-    vec3 normal;   // sum of the normals of all, weighted by their heights
+    float height;  // of the highest fold
+    vec3 normal;   // sum of the normals of all folds, weighted by their heights
 };
 
 FORMULA FoldBlend no_folds() {
@@ -108,8 +108,8 @@ FORMULA FoldBlend no_folds() {
     return blend;
 }
 
-// n: unit normal of the surface without folds; fraction: factor on the fold. Gradients are measured on flat triangles:
-// what points out of the smooth surface is left out.
+// n: unit normal of the surface without folds; fraction: factor on the fold. Gradients are measured on flat triangles,
+// so their part along n is removed.
 FORMULA FoldBlend with_fold(FoldBlend blend, FoldHeight fold, vec3 n, float fraction) {
     if (fold.height == 0.0f) return blend;
     float height = fraction * fold.height;
