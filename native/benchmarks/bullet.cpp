@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Bullet's cloth (btSoftBody) on the scene of wrinkle_mesh.cpp: as many nodes, the distance and bending pairs
-// as links, 10 iterations. It has no attachments, planes or radii. Compiled where Debian's libbullet-dev is.
+// Bullet's cloth (btSoftBody) on the scene of wrinkle_mesh.cpp: the same number of nodes, distance and
+// bending pairs as links, 10 iterations. It has no attachments, planes or radii. Compiled if Debian's
+// libbullet-dev is installed.
 #include <BulletSoftBody/btSoftBody.h>
 #include <benchmark/benchmark.h>
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The topology of a surface's triangles, by our flat arrays and by OpenMesh: what is made once, at rest, and
-// what a walk over it costs then. docs/architecture.md has the numbers, and what we take.
+// The topology of a surface's triangles, with our flat arrays and with OpenMesh: the time to build it once at
+// rest, and the time of walks over it. docs/architecture.md has the numbers and our choice.
 #include "surface/mesh/topology.h"
 
 #include <benchmark/benchmark.h>
@@ -40,7 +40,7 @@ void report(benchmark::State& bench, const Surface& surface) {
     bench.counters["triangles"] = double(surface.triangles.size());
 }
 
-// ---- made at rest
+// ---- built at rest
 
 void build_edges(benchmark::State& bench) {
     const Surface surface = sheet(bench);
@@ -60,7 +60,7 @@ void build_rings(benchmark::State& bench) {
     report(bench, surface);
 }
 
-// What a surface is built with: the mesh is checked, welded and joined.
+// The steps that build a surface: the mesh is checked, welded and connected.
 void build_all(benchmark::State& bench) {
     const auto mesh = tests::triangulated(tests::grid(Index(bench.range(0)), Index(bench.range(0)), 0.01f));
     for (auto _ : bench) benchmark::DoNotOptimize(tests::build(mesh).edges.data());
@@ -74,7 +74,8 @@ void build_open_mesh(benchmark::State& bench) {
     report(bench, surface);
 }
 
-// From there to one_rings(): the same bits on every machine need neighbours in a fixed order.
+// The step from this mesh to one_rings(). Neighbours need a fixed order, so that every machine gives the same
+// bits.
 void rings_of_open_mesh(benchmark::State& bench) {
     const Surface surface = sheet(bench);
     const HalfEdgeMesh mesh = half_edge_mesh(surface);
@@ -91,7 +92,7 @@ void rings_of_open_mesh(benchmark::State& bench) {
     report(bench, surface);
 }
 
-// ---- walked: all one-rings; all vertices on a border; all triangles around every vertex
+// ---- walks: all one-rings; all vertices on a border; all triangles around every vertex
 
 void walk_rings(benchmark::State& bench) {
     const Surface surface = sheet(bench);
@@ -140,7 +141,7 @@ void walk_border_of_open_mesh(benchmark::State& bench) {
     report(bench, surface);
 }
 
-// As walks over the triangles go (Wrinkle Paths): across every edge.
+// Walks over the triangles as in Wrinkle Paths: across every edge.
 void walk_half_edges(benchmark::State& bench) {
     const Surface surface = sheet(bench);
     const TriangleNet net = build_net(surface);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Crush and relax at the sizes of the paper's models (the shirt of Table 1: 455 vertices; model "B" of Table
-// 2: 5,977, with 1.83 ms and 1.75 ms on a GeForce 6800) and beyond.
+// Crush and relax at the sizes of the paper's models and beyond. The shirt of Table 1 has 455 vertices. Model
+// "B" of Table 2 has 5,977, with 1.83 ms and 1.75 ms on a GeForce 6800.
 #include "systems/wrinkle_field/wrinkle_field.h"
 
 #include <benchmark/benchmark.h>
@@ -45,7 +45,7 @@ void estimate_step(benchmark::State& bench) {
     report(bench, scene);
 }
 
-// One round, as a frame takes by default, with what it prepares.
+// One round, as in a frame with default settings, with its preparation.
 void relax_step(benchmark::State& bench) {
     const Scene scene(Index(bench.range(0)), Index(bench.range(1)), int(bench.range(2)));
     const Waves waves = estimate_waves(*scene.model, scene.settings, {}, scene.pose, {});
@@ -57,7 +57,7 @@ void relax_step(benchmark::State& bench) {
     report(bench, scene);
 }
 
-// As the add-on has it: keep_length and dissolve are on. The field, or the fine mesh too.
+// As in the add-on, with keep_length and dissolve: only the field, or also the fine mesh.
 void shown_frame(benchmark::State& bench, bool fine_mesh) {
     Plan plan;
     plan.output = Output::kGeometry;
@@ -83,7 +83,7 @@ void show_geometry(benchmark::State& bench) {
     shown_frame(bench, true);
 }
 
-// What of it keep_length() takes.
+// The part of the time that keep_length() takes.
 void keep_length_step(benchmark::State& bench) {
     const Scene scene(Index(bench.range(0)), Index(bench.range(1)), int(bench.range(2)));
     const Waves asked = estimate_waves(*scene.model, scene.settings, {}, scene.pose, {});

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The paper's scene: 2,048 base triangles, 32,768 fine ones, 10 iterations, attachments and normals included.
+// The paper's scene: 2,048 base triangles, 32,768 fine ones, 10 iterations, with attachments and normals.
 // Mueller and Chentanez report 5 ms on one core of a Core 2 at 2.4 GHz (2010).
 #include "systems/wrinkle_mesh/wrinkle_mesh.h"
 
@@ -51,8 +51,8 @@ Surface shown_surface(const Model& model) {
 
 enum Stages { kSolve, kSolveAndNormals, kWholeFrame };
 
-// kSolveAndNormals is what the paper times: attachments, 10 iterations and the normals that are drawn.
-// kWholeFrame also makes the picture: stretch attributes and offsets for shaders.
+// kSolveAndNormals is the part that the paper times: attachments, 10 iterations and the normals for drawing.
+// kWholeFrame also computes the shown frame: stretch attributes and offsets for shaders.
 void solve_step(benchmark::State& bench, AttachmentKind kind, Stages stages) {
     const Scene scene(kind);
     const Surface shown = shown_surface(*scene.model);
@@ -101,7 +101,8 @@ BENCHMARK_CAPTURE(solve_step, whole_frame_limit, AttachmentKind::kLimit, kWholeF
     ->Arg(1)
     ->Unit(benchmark::kMillisecond);
 
-// Solves on a smooth surface of so many squares a side, in 32 triangles each, on so many threads.
+// Solves on a smooth surface with a number of squares per side, each with 32 triangles, on a number of
+// threads.
 void solve_on_threads(benchmark::State& bench) {
     const Scene scene(AttachmentKind::kLimit, static_cast<Index>(bench.range(0)));
     Settings settings;

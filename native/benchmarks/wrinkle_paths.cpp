@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Table 9.1 of Gillette 2015 row by row, on one core: a sleeve that bends to and fro, of as many triangles,
-// with the thesis's tau and L_min (per cent of a character's height, 1.8 m). The thesis's times were taken on
-// a Core i7-3930K, its modelling on the GPU. Then 10,000 triangles.
+// Table 9.1 of Gillette 2015 row by row, on one core: a sleeve that bends back and forth, with the same
+// number of triangles and the thesis's tau and L_min (per cent of a character's height, 1.8 m). The times in
+// the thesis are from a Core i7-3930K, for modelling from the GPU. A separate benchmark has 10,000 triangles.
 #include "systems/wrinkle_paths/wrinkle_paths.h"
 
 #include <benchmark/benchmark.h>
@@ -23,9 +23,9 @@ constexpr float kHeight = 1.8f;  // of the character, metres
 struct Row {
     const char* name;
     float threshold;      // tau
-    float width_percent;  // L_min, of the character's height
+    float width_percent;  // L_min, per cent of the character's height
     int triangles;
-    double reference_ms, tracing_ms, modelling_ms;  // of the thesis
+    double reference_ms, tracing_ms, modelling_ms;  // times in the thesis
 };
 constexpr Row kTable[] = {
     {"a", 1.4f, 0.5f, 734, 1.69, 5.33, 8.30}, {"b", 1.3f, 0.5f, 602, 1.69, 3.92, 5.53},
@@ -71,7 +71,7 @@ void timed(double& sum, Work&& work) {
 }
 
 // A frame of the sleeve: reference (chapter 4), tracing with persistence (chapter 5), and modelling (chapters
-// 6 to 8: heights of a fine mesh, normals are the viewport's).
+// 6 to 8: heights of a fine mesh; the viewport computes the normals).
 void frame(benchmark::State& bench, const Row& row, Index level) {
     const Sleeve sleeve(row, level);
     const tests::PathCloth& cloth = sleeve.cloth;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What the fuzzer's bytes say: numbers that are mostly good, and now and then such as no caller should give.
-// Where the bytes end, everything is good: a short input is a whole one.
+// Reads values from the fuzzer's bytes: mostly valid numbers, and sometimes numbers that no caller should
+// give. After the last byte all values are valid, so a short input is complete.
 #pragma once
 
 #include <stddef.h>
@@ -45,7 +45,7 @@ class Bytes {
         return b >= kGood ? kHostileNumbers[b - kGood] : low + b % (high - low + 1);
     }
 
-    // Changes up to three of the fields of a struct that had its defaults, in half of the cases.
+    // In half of the cases, changes up to three fields of a struct with default values.
     template <typename... Fields>
     void vary(Fields&... fields) {
         for (int changes = below(8) - 4; changes > 0; --changes) {

@@ -16,7 +16,7 @@ std::list<Tally>& tallies() {
     return all;
 }
 
-// "FUNCTION CALLS ANSWERS" of each function, into the file that RUMPLE_FUZZ_CALLS names.
+// Writes a line "FUNCTION CALLS ANSWERS" for each function into the file named by RUMPLE_FUZZ_CALLS.
 void write_tallies() {
     const char* path = std::getenv("RUMPLE_FUZZ_CALLS");
     FILE* file = path ? std::fopen(path, "w") : nullptr;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Every call of the library goes through here: what it promises of statuses, errors and answers is held.
+// Every call of the library goes through here. The promises about statuses, errors and answers are checked.
 #pragma once
 
 #include <cstddef>
@@ -9,10 +9,10 @@
 
 namespace rumple::fuzz {
 
-// Whether this thread watches what was asked to stop: else no call says that it was.
+// Whether the stop that this thread watches was asked for. Otherwise no call may report RUMPLE_STOPPED.
 extern bool asked_to_stop;
 
-// How often a function was called, and how often it did what it was asked for.
+// The number of calls of a function, and how many of them succeeded.
 struct Tally {
     const char* function;
     std::uint64_t calls = 0;
@@ -32,7 +32,7 @@ struct Tally {
 };
 Tally& tally_of(const char* function);
 
-// Breaks off with what is wrong; libFuzzer keeps the input.
+// Aborts with a message. libFuzzer keeps the input.
 [[noreturn]] void fail(const char* what, const char* where);
 inline void require(bool holds, const char* what, const char* where) {
     if (!holds) fail(what, where);
@@ -41,10 +41,10 @@ inline void require(bool holds, const char* what, const char* where) {
 void expect_finite(const char* name, const float* values, size_t count);
 void expect_within(const char* name, const std::int32_t* values, size_t count, std::int32_t low,
                    std::int32_t high);
-// Ascending from 0 to `last`: where rows of something begin.
+// Checks for ascending values from 0 to `last`: the starts of rows.
 void expect_starts(const char* name, const std::int32_t* starts, size_t count, std::int32_t last);
 
-// A handle that no call has written.
+// A handle before a call writes it.
 template <typename Handle>
 Handle* unwritten() {
     return reinterpret_cast<Handle*>(std::uintptr_t(16));
@@ -52,20 +52,20 @@ Handle* unwritten() {
 
 }  // namespace rumple::fuzz
 
-// CALL(rumple_x, arguments...): its result.
+// CALL(rumple_x, arguments...): calls and checks, and has the function's result.
 #define CALL(function, ...)                        \
     ([&] {                                         \
         static Tally& tally = tally_of(#function); \
         return tally.check(function(__VA_ARGS__)); \
     }())
-// ... of a function that gives nothing back.
+// The same for a function without a result.
 #define RUN(function, ...)                         \
     ([&] {                                         \
         static Tally& tally = tally_of(#function); \
         function(__VA_ARGS__);                     \
         tally.check();                             \
     }())
-// ... whose last argument is where a new handle goes: that handle, or NULL.
+// The same for a function whose last argument receives a new handle. The result is this handle, or NULL.
 #define MAKE(Handle, function, ...)                                                                          \
     ([&]() -> Handle* {                                                                                      \
         Handle* new_handle = unwritten<Handle>();                                                            \

@@ -73,7 +73,7 @@ void keep_state(World& world, rumple_base_cloth_state* state, const Entry<rumple
             "rumple_base_cloth_state_get_view");
 }
 
-// What acts on every vertex, by the bits of a byte: kept inputs read no byte more.
+// Fields at every vertex, chosen by the bits of a byte, so that kept inputs read no additional byte.
 struct Acting {
     std::vector<float> air, push, resist;
 
@@ -122,7 +122,7 @@ void solve_cloth(World& world, Bytes& bytes) {
     keep_state(world, state, model);
 }
 
-// What a file may hold: what is kept of a state, changed, for a model that may be another one.
+// Restores a state as from a file: a copy of a state, possibly damaged, for a model that may be another one.
 void restore_cloth(World& world, Bytes& bytes) {
     const auto from = world.cloth_states.pick(bytes);
     const auto model = world.cloths.pick(bytes);
@@ -130,7 +130,7 @@ void restore_cloth(World& world, Bytes& bytes) {
     if (CALL(rumple_base_cloth_state_get_kept, from.handle, &kept) != RUMPLE_OK) return;
     static_assert(sizeof kept == 29 * 8, "a new array? damage it as well");
     Damage damage(bytes);
-    kept.push = kept.velocity;  // as if that had acted
+    kept.push = kept.velocity;  // any values of the right size
     kept.push_count = kept.velocity_count;
     damage(kept.offset, kept.offset_count, 3);
     damage(kept.length, kept.length_count);

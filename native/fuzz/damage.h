@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What a file may hold of a state: its arrays, copied, and now and then damaged.
+// Damages states as in a broken file: their arrays are copied and sometimes changed.
 #pragma once
 
 #include <cstdint>
@@ -11,13 +11,13 @@
 
 namespace rumple::fuzz {
 
-// The arrays of one struct that a function reads. The copies live as long as this.
+// The arrays of one struct for a function to read. The copies live as long as this object.
 class Damage {
   public:
     explicit Damage(Bytes& bytes) : bytes_(bytes) {}
 
-    // array: of count rows of so many columns. It becomes a copy: with an element that is anything, a row
-    // less, a row more, no row, or without the array that its count speaks of.
+    // array: `count` rows of `columns` values. It becomes a copy, sometimes with a random element, a row
+    // less, a row more, no row, or a null pointer with its count.
     template <typename T, typename Count>
     void operator()(const T*& array, Count& count, size_t columns = 1) {
         std::vector<T>& copy = copies(array).emplace_back(array, array + columns * size_t(count));

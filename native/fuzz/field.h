@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What the Wrinkle Field, its steps and its brush have in common.
+// Shared by the calls of the Wrinkle Field, of its steps and of its brush.
 #pragma once
 
 #include "world.h"

@@ -94,7 +94,7 @@ void relax(World& world, Bytes& bytes) {
     gradients.check(status, "gradients");
 }
 
-// Any formula of any numbers: it may answer what it likes, but it must answer.
+// Calls any formula with any numbers. Every result is allowed, but it must return.
 void probe(World&, Bytes& bytes) {
     const std::vector<float> arguments = values(16, -2.0f, 2.0f, bytes);
     float out[16];

@@ -89,7 +89,7 @@ void solve(World& world, Bytes& bytes) {
     input.body_hint = hints.pointer;
     input.body_hint_count = hints.count;
     input.thickness = bytes.real(0.0f, 0.1f);
-    input.inner = 2.0f * input.thickness;  // by the same bytes, so that kept inputs stay what they are
+    input.inner = 2.0f * input.thickness;  // from the same bytes, so that kept inputs keep their meaning
     std::vector<rumple_wrinkle_mesh_report> reports(settings.size());
     auto* state =
         MAKE(rumple_wrinkle_layers_state, rumple_wrinkle_layers_solve, model.handle, settings.data(),
@@ -112,7 +112,8 @@ void show(World& world, Bytes& bytes) {
     add_frame(world, frame, model.base, model.model);
 }
 
-// What a file may hold: the arrays of a state, changed, for a model that may be another one.
+// Restores a state as from a file: a copy of its arrays, possibly damaged, for a model that may be another
+// one.
 void restore(World& world, Bytes& bytes) {
     const auto from = world.layers_states.pick(bytes);
     const auto model = world.layers.pick(bytes);
@@ -139,7 +140,7 @@ void activate(World& world, Bytes& bytes) {
     restore(world, bytes);
 }
 
-// The whole way: a dense mesh, a coarse one over it, layers on that.
+// All steps: a dense mesh, a coarse mesh over it, and layers on the coarse mesh.
 void build_transfer(World& world, Bytes& bytes) {
     const auto dense = world.surfaces.pick(bytes);
     if (dense.handle && bytes.byte() < 200)

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A fuzzer of the whole C header: an input is a series of calls, in any order and with any arguments that a
-// caller can give. The library must answer or refuse with words; it must not crash, hang, read what is not
-// its own, give back what is not finite, or take a handle of another model. scripts/fuzz runs it.
+// A fuzzer of the whole C header. An input is a series of calls, in any order and with any arguments that a
+// caller can give. The library must answer or refuse with a message. It must not crash, hang, read memory
+// that it does not own, return values that are not finite, or accept a handle of another model. scripts/fuzz
+// runs it.
 #include "world.h"
 
 using namespace rumple::fuzz;
@@ -23,7 +24,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
     Bytes bytes(data, size);
     next_time = 0.0;
     World world;
-    // Without a base and a model there is little to do.
+    // Most calls need a base and a model.
     for (int i = 0; i < 3 && world.surfaces.empty(); ++i) kSurface[0](world, bytes);
     const int main_group = bytes.below(std::size(kGroups));
     if (kGroups[main_group] == &kBrush) kField[0](world, bytes);

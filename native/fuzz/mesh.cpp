@@ -55,7 +55,7 @@ void keep_state(World& world, rumple_wrinkle_mesh_state* state, const std::share
         check_mesh_state(view);
 }
 
-// A frame: its pose, a solve, the shown mesh and how good it is.
+// A frame: its pose, a solve, the shown mesh and its measures.
 void solve(World& world, Bytes& bytes) {
     const auto model = world.meshes.pick(bytes);
     if (bytes.byte() % 4 != 3) build_pose(world, bytes);
@@ -97,7 +97,8 @@ void show(World& world, Bytes& bytes) {
         expect_finite("measures", &measures.edge_error_before_rms, sizeof measures / sizeof(float));
 }
 
-// What a file may hold: the arrays of a state, changed, for a model that may be another one.
+// Restores a state as from a file: a copy of its arrays, possibly damaged, for a model that may be another
+// one.
 void restore(World& world, Bytes& bytes) {
     const auto from = world.mesh_states.pick(bytes);
     const auto model = world.meshes.pick(bytes);
@@ -154,7 +155,7 @@ rumple_wrinkle_mesh_settings mesh_settings(Bytes& bytes) {
     const int rest = bytes.byte();
     if (rest % 4 == 3) vary(s.rest, bytes);
     s.free_compression_limit =
-        float(rest) / 64.0f;  // by the same byte, so that kept inputs stay what they are
+        float(rest) / 64.0f;  // from the same byte, so that kept inputs keep their meaning
     return s;
 }
 
@@ -175,7 +176,7 @@ rumple_wrinkle_mesh_painted mesh_painted(const Base& base, std::vector<std::vect
     painted.inside_count = count();
     painted.along = keep[4].data();
     painted.along_count = count();
-    painted.worn = keep[0].data();  // as many as of the radius
+    painted.worn = keep[0].data();  // the same number as for the radius
     painted.worn_count = painted.radius_count;
     return painted;
 }

@@ -14,7 +14,7 @@ void add_face(Mesh& mesh, const Face& face) {
     mesh.start.push_back(std::int32_t(mesh.corner.size()));
 }
 
-// columns x rows quads, or their halves. Rolled up: the last column is sewn to the first.
+// columns x rows quads, or twice as many triangles. rolled: the last column is sewn to the first.
 void add_sheet(Mesh& mesh, int columns, int rows, bool triangles, bool rolled, float z) {
     const auto first = std::int32_t(mesh.positions.size() / 3);
     const int across = rolled ? columns : columns + 1;
@@ -59,7 +59,7 @@ void add_fan(Mesh& mesh, int sides) {
     add_face(mesh, face);
 }
 
-// Two sheets side by side: their borders stand at one place.
+// Two sheets side by side, with coincident borders.
 void add_seam(Mesh& mesh, int size) {
     add_sheet(mesh, 2, size, false, false, 0.1f);
     const size_t half = mesh.positions.size() / 3;

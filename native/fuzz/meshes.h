@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Meshes and poses of the fuzzer, whole and broken.
+// Meshes and poses of the fuzzer, valid and broken.
 #pragma once
 
 #include <cstdint>
@@ -16,13 +16,13 @@ struct Mesh {
     std::vector<std::int32_t> triangle;  // (t, 3): corners
 };
 
-// A sheet, a tube, a box, a fan ...; sometimes with something wrong in it.
+// A sheet, a tube, a box, a fan, and so on; sometimes with an error.
 Mesh mesh(Bytes& bytes);
 
-// (n, 3): a pose of positions at rest: squeezed, bent, with a vertex that went astray.
+// (n, 3): a pose from positions at rest: compressed, bent, or with one vertex far away.
 std::vector<float> pose_of(const std::vector<float>& rest, Bytes& bytes);
 
-// So many values from low to high.
+// `count` values from low to high.
 std::vector<float> values(size_t count, float low, float high, Bytes& bytes);
 
 }  // namespace rumple::fuzz

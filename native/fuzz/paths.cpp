@@ -9,7 +9,7 @@
 namespace rumple::fuzz {
 namespace {
 
-// Folds of a width that suits the mesh: many narrow ones take seconds, and find nothing more.
+// Folds with a width that suits the mesh. Many narrow folds take seconds and find no more errors.
 rumple_wrinkle_paths_settings paths_settings(const std::shared_ptr<const Base>& base, Bytes& bytes) {
     rumple_wrinkle_paths_settings s = CALL(rumple_wrinkle_paths_settings_default);
     s.width = 0.2f;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// rumple_kept FOLDER [STEP]: the inputs of a folder, or every STEP-th, one after the other, for systems where
-// no fuzzer runs. It is linked with the library that is packed: the fuzzer knows nothing but the C header.
+// rumple_kept FOLDER [STEP]: runs all inputs of a folder, or every STEP-th, on systems without a fuzzer. It
+// links with the packaged library, because the fuzzer uses only the C header.
 #include <algorithm>
 #include <cstdint>
 #include <cstdio>

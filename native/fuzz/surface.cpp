@@ -30,12 +30,12 @@ void keep_surface(World& world, rumple_surface* surface, std::vector<float> rest
     base->welded = view.welded_vertex_count;
     base->triangles = view.triangle_count;
     base->corners = corners;
-    // Of a coarse mesh no corners are known: it has triangles alone.
+    // The number of corners of a coarse mesh is unknown, but it has only triangles.
     base->polygons = corners == 0 ? view.triangle_count : (corners - view.triangle_count) / 2;
     world.surfaces.add(surface, std::move(base), 0);
 }
 
-// Of so many sides of polygons. kind: 0 to 12.
+// Creases for a number of sides of polygons. kind: 0 to 12.
 struct Creases {
     std::vector<std::int32_t> ends;
     std::vector<float> sharpness;
@@ -69,8 +69,8 @@ void build_surface(World& world, Bytes& bytes) {
     plan.triangle_corner_count = triangle.count;
     const int chosen = bytes.byte();
     plan.weld_seams = chosen % 4 != 3;
-    // By the same byte, so that kept inputs stay what they are: how many sides of the polygons are creased,
-    // and how.
+    // Read from the same byte, so that kept inputs keep their meaning: how many sides of the polygons are
+    // creased, and how.
     const size_t creased = from.corner.size() * size_t(chosen / 4 % 5) / 4;
     const Creases creases(from.corner, creased, chosen / 20);
     plan.crease_edge = creases.ends.data();
@@ -81,7 +81,7 @@ void build_surface(World& world, Bytes& bytes) {
                  positions.data, std::int32_t(from.corner.size()));
 }
 
-// Any mesh, as it is healed: what that makes is a mesh that a surface is built from.
+// Heals any mesh. A surface can be built from every healed mesh.
 void heal_mesh(World& world, Bytes& bytes) {
     const Mesh from = mesh(bytes);
     rumple_surface_plan plan = CALL(rumple_surface_plan_default);
@@ -126,7 +126,7 @@ void heal_mesh(World& world, Bytes& bytes) {
     keep_surface(world, surface, std::move(rest), view.corner_count);
 }
 
-// Nothing is written where it is refused. hostile: for a polygon too many.
+// If the call is refused, nothing is written. hostile: for one polygon too many.
 void find_outer_side(const Entry<rumple_surface>& surface, bool hostile) {
     const size_t polygons = size_t(surface.base ? surface.base->polygons : 3) + (hostile ? 1 : 0);
     std::vector<std::uint8_t> outer(polygons + 1, 7);
@@ -168,7 +168,7 @@ void move_parts(Bytes& bytes) {
 void build_coarse(World& world, Bytes& bytes) {
     const auto dense = world.surfaces.pick(bytes);
     const float spacing = bytes.real(0.1f, 0.8f);
-    // By the same number, so that most kept inputs stay what they are.
+    // From the same number, so that most kept inputs keep their meaning.
     auto* coarse = spacing < 0.6f ? MAKE(rumple_coarse, rumple_coarse_build, dense.handle, spacing)
                                   : MAKE(rumple_coarse, rumple_coarse_build_of, dense.handle,
                                          world.surfaces.pick(bytes).handle, spacing);
@@ -206,7 +206,7 @@ void embed_frame(World& world, Bytes& bytes) {
         expect_finite("embedded", view.local_offset, size_t(view.vertex_count) * 3);
 }
 
-// Of another system: refused.
+// A frame must refuse the view of another system.
 void look_at_frame(World& world, Bytes& bytes) {
     const auto frame = world.frames.pick(bytes);
     rumple_frame_waves_view waves;
@@ -216,7 +216,7 @@ void look_at_frame(World& world, Bytes& bytes) {
     require(!(of_field && of_paths), "of two systems", "frame");
 }
 
-// What is watched from before a call on, and asked or not, ends it or not.
+// A call is watched from before its start. It may end with RUMPLE_STOPPED only if the stop was asked for.
 void stop_one(World& world, Bytes& bytes) {
     rumple_stop* stop = MAKE(rumple_stop, rumple_stop_build);
     RUN(rumple_stop_watch, stop);
@@ -273,7 +273,7 @@ void check_shown(const rumple_shown_mesh* shown, Bytes& bytes) {
     expect_finite("shown rest", view.positions_rest, vertices * 3);
     expect_finite("barycentric", view.barycentric, vertices * 2);
     const int columns = 1 + bytes.below(3);
-    // As many rows as any source has here; the library says how many it reads at least.
+    // As many rows as any source can have here. The library reports how many it needs.
     const Floats from(values(6000 * size_t(columns), -1.0f, 1.0f, bytes), size_t(columns), bytes);
     Written points(vertices, size_t(columns), bytes), of_corners(corners, size_t(columns), bytes);
     if (from.pointer && from.count > 6001) return;
@@ -295,7 +295,7 @@ void add_frame(World& world, rumple_frame* frame, const std::shared_ptr<const Ba
     expect_finite("stretch min", view.stretch_min, vertices);
     expect_finite("stretch max", view.stretch_max, vertices);
     expect_finite("stretch direction", view.stretch_direction, 3 * vertices);
-    if (base) {  // in its own rest pose: made-up calls seldom have a frame and positions that fit it
+    if (base) {  // in its own rest pose, because random calls seldom have a frame with positions that fit it
         require(CALL(rumple_frame_embed, frame, base->rest.data(), base->rest.size() / 3) == RUMPLE_OK,
                 "embedded at rest", "frame");
         expect_finite("embedded", view.local_offset, 3 * vertices);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The handles that an input has made so far, and what its calls do with them.
+// The handles that an input has made so far, and the operations on them.
 #pragma once
 
 #include <memory>
@@ -12,7 +12,7 @@
 
 namespace rumple::fuzz {
 
-// What the fuzzer itself knows of the mesh that a handle was made for.
+// The fuzzer's own data about the mesh of a handle.
 struct Base {
     std::vector<float> rest;  // (n, 3)
     std::int32_t vertices = 0, welded = 0, triangles = 0, corners = 0, polygons = 0;
@@ -22,13 +22,13 @@ template <typename T>
 struct Entry {
     T* handle = nullptr;
     std::shared_ptr<const Base> base;
-    int id = 0;     // its own
-    int model = 0;  // of the model that it was made for; of a model, its own
+    int id = 0;     // of this entry
+    int model = 0;  // id of its model; for a model, its own id
     int number = 0;
 };
 
-// Some handles of one kind. The oldest is freed where there are too many: others may still need what it
-// holds.
+// Some handles of one kind. If there are too many, the oldest is freed, although others may still use its
+// data.
 template <typename T>
 class Pool {
   public:
@@ -39,7 +39,7 @@ class Pool {
         for (const Entry<T>& entry : entries_) free_(entry.handle);
     }
 
-    // NULL is not kept. Returns the entry, or NULL.
+    // A NULL handle is not kept. Returns the entry, or NULL.
     const Entry<T>* add(T* handle, std::shared_ptr<const Base> base, int model, int number = 0) {
         if (!handle) return nullptr;
         if (entries_.size() == 5) drop(0);
@@ -49,12 +49,12 @@ class Pool {
         return &entries_.back();
     }
     bool empty() const { return entries_.empty(); }
-    // One of them, or an entry without a handle: of none, and now and then.
+    // One of the entries. Without entries, and sometimes at random, an entry without a handle.
     Entry<T> pick(Bytes& bytes) const {
         if (entries_.empty() || bytes.byte() >= 252) return {};
         return entries_[size_t(bytes.below(int(entries_.size())))];
     }
-    // One that was made for a model: mostly of the one that is asked for, else of any.
+    // An entry that was made for a model. Mostly for the given one, sometimes for any.
     Entry<T> pick_of(int model, Bytes& bytes) const {
         return bytes.byte() >= 240 ? pick(bytes) : newest_of(model);
     }
@@ -118,7 +118,7 @@ struct World {
     RUMPLE_POOL(rumple_wrinkle_maps, maps);
 };
 
-// An array of the caller: sometimes with a wrong count, or without a pointer.
+// An array of the caller, sometimes with a wrong count or without a pointer.
 template <typename T>
 struct Argument {
     std::vector<T> data;
@@ -149,7 +149,7 @@ struct Argument {
 using Floats = Argument<float>;
 using Numbers = Argument<std::int32_t>;
 
-// What a call writes: so many rows, and now and then asked for one less.
+// The output array of a call with a number of rows. Sometimes one row less is asked for.
 struct Written {
     std::vector<float> data;
     size_t count;
@@ -158,7 +158,7 @@ struct Written {
         if (bytes.hostile() && count > 0) --count;
     }
     float* pointer() { return data.data(); }
-    // After a call: what it says it has written. Nothing is written where it is refused.
+    // After a call: checks the output. If the call was refused, nothing may be written.
     void check(rumple_status status, const char* name) const {
         if (status == RUMPLE_OK) {
             expect_finite(name, data.data(), data.size() - 1);
@@ -168,14 +168,14 @@ struct Written {
     }
 };
 
-// Holds that what was made for other models is refused. handles: what came with a model.
+// Checks that handles of other models are refused. handles: the arguments besides the model.
 template <typename... Handles>
 void expect_of_model(rumple_status status, int model, const char* name, const Handles&... handles) {
     const bool fits = ((!handles.handle || handles.model == model) && ...);
     require(fits || status == RUMPLE_INVALID, "took what was made for another model", name);
 }
 
-// The time of the next frame, s; from 0 in every input.
+// The time of the next frame, s. It starts at 0 in every input.
 extern double next_time;
 
 // A frame of a base.
@@ -186,7 +186,7 @@ struct Posed {
 
     Posed(const Base& base, Bytes& bytes);
 };
-// A clip of a base, to be labelled.
+// A clip of a base whose labels are computed.
 struct Clip {
     Argument<double> times;
     Floats positions;
@@ -206,7 +206,7 @@ void check_reference(const rumple_reference_view& view);
 rumple_wrinkle_mesh_settings mesh_settings(Bytes& bytes);
 rumple_wrinkle_mesh_painted mesh_painted(const Base& base, std::vector<std::vector<float>>& keep,
                                          Bytes& bytes);
-// A collider with its positions in this pose. keep: the positions live there.
+// A collider with its positions in this pose. keep: owns the positions.
 rumple_bodies bodies(const World& world, std::vector<float>& keep, Bytes& bytes);
 
 using Operation = void (*)(World&, Bytes&);
