@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What makes the wrinkles of an object: the engine's Wrinkles, built from its coarse mesh, settings and scale."""
+"""Builds the engine's Wrinkles of an object from its coarse mesh, settings and scale."""
 from __future__ import annotations
 
 import functools
@@ -19,23 +19,23 @@ from .building import PATIENCE, Building
 from .runtimes import Runtime
 
 
-FEWEST = 6  # vertices of a fine mesh over those of the coarse one, or of an own one, that are always allowed: one step
+FEWEST = 6  # fine vertices / vertices of the coarse mesh, or of an own mesh, that are always allowed: one subdivision
 
 
 @dataclass
 class Sources:
-    """What a fine mesh is made from."""
+    """The data from which a fine mesh is built."""
 
     base: engine.BaseMesh
     own: engine.BaseMesh | None
     attached: np.ndarray | None
-    settings: Any  # of the system
+    settings: Any  # the system's
     unit_scale: float  # metres per object unit
     shape: str  # fingerprint of all of these
 
 
 def sources(obj: bpy.types.Object) -> Sources:
-    """Read them from the object as it is now. Raises engine.UserError."""
+    """Read the sources from the object in its current state. Raises engine.UserError."""
     scene = units.scene_of(obj)
     settings = properties.settings_of(obj, scene)
     _refuse_without_faces(obj)
@@ -58,7 +58,7 @@ def _scale_rest(scale: float, *meshes: engine.BaseMesh | None) -> None:
 
 
 def _refuse_without_faces(obj: bpy.types.Object) -> None:
-    """The rest of what has none is refused by the library."""
+    """Raise engine.UserError if modifiers leave no faces. The library refuses other meshes without faces."""
     if len(incoming_mesh.of(obj).polygons) or not len(obj.data.polygons):
         return
     front = [m for m in modifier.in_front(obj) if modifier.changes_topology(m)]
@@ -69,9 +69,9 @@ def _refuse_without_faces(obj: bpy.types.Object) -> None:
 
 
 def ensure(obj: bpy.types.Object, runtime: Runtime, meanwhile: Callable[[], object] | None = None) -> None:
-    """Make runtime.evaluator for the object as it is now. Reads only: allowed in any handler. Raises engine.UserError.
+    """Make runtime.evaluator for the current object. Only reads Blender, so any handler may call it. Raises UserError.
 
-    meanwhile: what else is to be read from Blender; done while a thread builds.
+    meanwhile: reads other data from Blender while a thread builds.
     """
     now = sources(obj)
     runtime.scale = _scale_of(obj, units.scene_of(obj))
@@ -92,13 +92,13 @@ def ensure(obj: bpy.types.Object, runtime: Runtime, meanwhile: Callable[[], obje
         if runtime.evaluator is not None and solved_alike(runtime.shape) == solved_alike(wanted):
             carry_frames(runtime.evaluator, fine)
         runtime.evaluator = fine
-    except Exception as error:  # whatever it is: every update would try it again
+    except Exception as error:  # any exception, because otherwise every update would try it again
         runtime.refused = _refusable(obj, wanted)
         messages.set_build_error(runtime, messages.of_error(obj, error))
         raise
     runtime.shape, runtime.refused, runtime.paint, runtime.just_added = wanted, None, None, False
     runtime.built_with = _properties(obj, now.settings)
-    runtime.forget_inputs()  # solved by the former one: who draws by them must wait
+    runtime.forget_inputs()  # the former evaluator solved them, so drawing must wait
     runtime.notes = list(runtime.evaluator.warnings)
     if compat.has_custom_normals(incoming_mesh.of(obj)):
         runtime.notes.append(f"{obj.name}: custom normals are not carried to the fine mesh")
@@ -115,7 +115,7 @@ def _built(obj: bpy.types.Object, now: Sources, wanted: tuple[str, int, int],
 
 
 def note_scale(obj: bpy.types.Object, runtime: Runtime) -> None:
-    """Scaling an object, what it is parented to, or the bones that it hangs from, edits no mesh."""
+    """Notice a change of scale of an object, of its parents, or of the bones that move it: it edits no mesh."""
     scene = units.scene_of(obj)
     seen, runtime.plain_scales = runtime.plain_scales, (units.plain_scales(obj, scene), rig_scale.plain(obj))
     if seen == runtime.plain_scales or not units.scale_is_known(obj):
@@ -132,13 +132,13 @@ def _scale_of(obj: bpy.types.Object, scene: bpy.types.Scene) -> str:
 
 
 def _rounded(unit_scale: float) -> str:
-    """As it counts: what is less is rounding."""
+    """The scale with significant digits only: smaller differences are rounding."""
     return f"{unit_scale:.4g}"
 
 
 def begin(obj: bpy.types.Object, runtime: Runtime) -> Building | None:
-    """Begin in a thread what ensure() would make. None where there is nothing to wait for: it is ready, or was made
-    within PATIENCE. Raises engine.UserError."""
+    """Begin to build in a thread what ensure() needs. Returns None if there is nothing to wait for: it is ready, or
+    was built within PATIENCE. Raises engine.UserError."""
     now = sources(obj)
     wanted = _wanted(obj, now)
     if wanted == runtime.shape or _refusable(obj, wanted) == runtime.refused:
@@ -151,8 +151,7 @@ def begin(obj: bpy.types.Object, runtime: Runtime) -> Building | None:
 
 
 def cancel(obj: bpy.types.Object, runtime: Runtime) -> str:
-    """Drop what is being built, and set what it was built for as it was before. What to say of it; empty where nothing
-    was under way."""
+    """Stop the build and restore the settings from before it. Returns a message; empty if nothing was being built."""
     dropped, runtime.building = runtime.building, None
     if dropped is None:
         return ""
@@ -176,17 +175,17 @@ def _wanted(obj: bpy.types.Object, now: Sources) -> tuple[str, int, int]:
 
 
 def solved_alike(shape: tuple[str, int, int] | None) -> tuple[str, int] | None:
-    """What of a shape decides how frames are solved: the rest, what viewports show of them."""
+    """The part of a shape on which the solution of frames depends. The other part is for viewports only."""
     return None if shape is None else shape[:2]
 
 
 def _refusable(obj: bpy.types.Object, wanted: tuple[str, int, int]) -> tuple[str, int, int, int]:
-    """What decides whether it can be made."""
+    """The values that decide whether the fine mesh can be built."""
     return *wanted, subdivision_behind.quality(obj)
 
 
 def _properties(obj: bpy.types.Object, settings: Any) -> dict[str, Any]:
-    """Values of all that decides over the fine mesh, as Blender keeps them, by their path from obj.rumple."""
+    """Blender's values of all settings that the fine mesh depends on, by their path from obj.rumple."""
     group = properties.system_of(obj).group
     paths = ["most_vertices", "viewport_steps", *(f"{group}.{name}" for name in settings.structural())]
     return {path: getattr(*_place(obj, path)) for path in paths}
@@ -198,7 +197,7 @@ def _place(obj: bpy.types.Object, path: str) -> tuple[Any, str]:
 
 
 def _builder(obj: bpy.types.Object, now: Sources) -> Callable[[], engine.Wrinkles]:
-    """Builds them of arrays only: in any thread."""
+    """A function that builds the Wrinkles. It uses only arrays, so it may run in any thread."""
     more: dict[str, Any] = dict(own=now.own, attached=now.attached) if now.own is not None else {}
     if isinstance(now.settings, MeshSettings):
         more["viewport_steps"] = obj.rumple.viewport_steps
@@ -209,7 +208,7 @@ def _builder(obj: bpy.types.Object, now: Sources) -> Callable[[], engine.Wrinkle
 
 def _checked(obj: bpy.types.Object, fine: engine.Wrinkles) -> engine.Wrinkles:
     coarse = fine.coarse_count
-    if fine.vertex_count < coarse:  # the result could not bring the coarse positions back to us
+    if fine.vertex_count < coarse:  # the result could not carry the coarse positions
         raise engine.UserError(f"{obj.name}: the fine mesh has {fine.vertex_count} vertices, fewer than the coarse one "
                                f"({coarse}): choose a denser one")
     subdivision_behind.refuse_costly(obj, fine)
@@ -232,7 +231,7 @@ def source_of(obj: bpy.types.Object) -> bpy.types.Object:
 
 
 def _wants_own_mesh(settings: Any) -> bool:
-    """settings: of the system, or their properties."""
+    """settings: the system's settings, or their properties."""
     return getattr(settings, "source", "") == "OBJECT"
 
 
