@@ -75,8 +75,8 @@ FORMULA mat2 restretched(mat2 m, vec3 stretch) {
 }
 
 // Amplitude / (W/4), equation (2), for cloth with the compression r. r2: its square. Not in the paper: cloth that
-// loses less than `threshold` of its length stays smooth. This does not affect the painted q, which alone gives 1 -
-// q^2.
+// loses less than `threshold` of its length stays smooth. This does not affect the painted q, which alone gives
+// 1 - q^2.
 FORMULA float fullness_of(float r2, vec2 q, float threshold) {
     float smooth_part = 1.0f - threshold;
     float painted = 1.0f - dot(q, q);
@@ -125,8 +125,8 @@ FORMULA float attenuation(float fullness) { return clamp(4.0f * fullness - 0.2f,
 // x - floor(x + 1/2): the difference from the nearest integer, in [-1/2, 1/2).
 FORMULA float to_nearest(float x) { return x - floor(x + 0.5f); }
 
-// The relation of the phases of two neighbours, half-way between them: psi_n - psi_0 = flip phi_n - phi_0 +
-// offset.
+// The relation of the phases of two neighbours, half-way between them:
+// psi_n - psi_0 = flip phi_n - phi_0 + offset.
 struct Link {
     float flip;    // sgn(k'_n . k'_0)
     float offset;  // radians
@@ -162,9 +162,9 @@ FORMULA float activity(float change) {
 // A phase in [-pi, pi).
 FORMULA float wrapped(float phase) { return kTwoPi * to_nearest(phase / kTwoPi); }
 
-// Equation (6): phi_0 - epsilon dE_0/dphi_0, with dE_0/dphi_0 = -1/(pi N) sum of w_n misfit_n. rate = epsilon / (2
-// pi^2): 1 gives the mean of the neighbours' values. Stable below 1, because then the steps of neighbours never
-// overshoot together.
+// Equation (6): phi_0 - epsilon dE_0/dphi_0, with dE_0/dphi_0 = -1/(pi N) sum of w_n misfit_n.
+// rate = epsilon / (2 pi^2): 1 gives the mean of the neighbours' values. Stable below 1, because then the steps of
+// neighbours never overshoot together.
 FORMULA float relaxed(float phase, float weighted_misfit_sum, float neighbours, float rate) {
     if (neighbours <= 0.0f) return phase;
     float change = rate * kTwoPi * weighted_misfit_sum / neighbours;

@@ -28,8 +28,8 @@ FORMULA vec3 blend_whole(vec3 sum, float total, vec3 neutral) {
     return unit_normal(sum + rest_share(total) * neutral);
 }
 
-// Second case: the wrinkle maps contain only wrinkles, so the remaining share is flat. WN = normalize(W.x + N.x, W.y +
-// N.y, W.z * N.z).
+// Second case: the wrinkle maps contain only wrinkles, so the remaining share is flat.
+// WN = normalize(W.x + N.x, W.y + N.y, W.z * N.z).
 FORMULA vec3 blend_wrinkles(vec3 sum, float total, vec3 neutral) {
     vec3 w = unit_normal(sum + vec3(0.0f, 0.0f, rest_share(total)));
     return unit_normal(vec3(w.x + neutral.x, w.y + neutral.y, w.z * neutral.z));

@@ -154,8 +154,8 @@ Tension tension(const Settings& settings, const LaneMask& diagonal, const Lanes&
 
 using Vertices = PackedPose::Vertices;
 
-// The pull back to the animated place. A displacement along the surface uses only a share s of the room: S =
-// s I + (1 - s) n n^T, and S S = s^2 I + (1 - s^2) n n^T.
+// The pull back to the animated place. A displacement along the surface uses only a share s of the room:
+// S = s I + (1 - s) n n^T, and S S = s^2 I + (1 - s^2) n n^T.
 struct RoomPull {
     Lanes follow_stiffness, normal_stiffness;  // in all directions, and in addition along the normal
     Lanes height;                              // of the displacement, along the normal

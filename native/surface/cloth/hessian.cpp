@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Conjugate gradients (J. R. Shewchuk 1994, B3), preconditioned by the incomplete factors (D + L) D^-1 (D +
-// L)^T of the Hessian. L is the part below its diagonal, and D is such that the product has the same diagonal
-// as the Hessian. Along a chain the product is the Hessian itself, so a pull at a hem reaches the waist in
-// one sweep. In the variables (D + L)^T x an iteration is one sweep in each direction, without a product with
-// the Hessian (S. C. Eisenstat, "Efficient Implementation of a Class of Preconditioned Conjugate Gradient
-// Methods", SIAM Journal on Scientific and Statistical Computing 2, 1981).
+// Conjugate gradients (J. R. Shewchuk 1994, B3), preconditioned by the incomplete factors
+// (D + L) D^-1 (D + L)^T of the Hessian. L is the part below its diagonal, and D is such that the product has
+// the same diagonal as the Hessian. Along a chain the product is the Hessian itself, so a pull at a hem
+// reaches the waist in one sweep. In the variables (D + L)^T x an iteration is one sweep in each direction,
+// without a product with the Hessian (S. C. Eisenstat, "Efficient Implementation of a Class of Preconditioned
+// Conjugate Gradient Methods", SIAM Journal on Scientific and Statistical Computing 2, 1981).
 #include "surface/cloth/hessian.h"
 
 #include <array>
@@ -30,8 +30,8 @@ Block block_of(const Hessian::Spring& spring) {
     return double(spring.across) * Block(1.0) + double(spring.along) * glm::outerProduct(n, n);
 }
 
-// B W B for a spring's block B = a I + b n n^T and a symmetric W. With u = W n and v = a b u + b^2 (n . u) /
-// 2 n it is a^2 W + n v^T + v n^T.
+// B W B for a spring's block B = a I + b n n^T and a symmetric W. With u = W n and
+// v = a b u + b^2 (n . u) / 2 n it is a^2 W + n v^T + v n^T.
 Block between(const Hessian::Spring& spring, const Block& w) {
     const glm::dvec3 n(spring.direction.vec()), u = w * n;
     const double a = spring.across, b = spring.along;
@@ -113,8 +113,8 @@ class Factors {
     }
     // D row, for one vertex
     Row weighed(size_t v, const Row& row) const { return Row(diagonal_[v] * row); }
-    // (D + L)^-1 Hessian (D + L)^-T p minus `back`, where `back` is (D + L)^-T p. The Hessian is (D + L) + (D
-    // + L)^T plus, on its diagonal, beyond_.
+    // (D + L)^-1 Hessian (D + L)^-T p minus `back`, where `back` is (D + L)^-T p. The Hessian is
+    // (D + L) + (D + L)^T plus, on its diagonal, beyond_.
     void multiply(const std::vector<Row>& p, const std::vector<Row>& back, std::vector<Row>& out) const {
         forward([&](Index v) { return Row(p[v].xyz + beyond_[v] * back[v]); }, out);
     }

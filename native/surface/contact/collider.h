@@ -44,8 +44,7 @@ class Collider {
     Index vertex_count_ = 0;
     std::vector<std::array<Index, 3>> triangles_;
     CornersOfVertices corners_;
-    std::vector<std::uint8_t>
-        border_edges_;  // per triangle: bit k is set if the edge from corner k is a border
+    std::vector<std::uint8_t> border_edges_;  // per triangle: bit k: the edge from corner k is a border
     std::vector<std::uint8_t> border_vertex_;
     std::vector<Index> part_;    // per triangle: the connected part of the bodies that it belongs to
     PacketHierarchy hierarchy_;  // of the triangles
@@ -85,8 +84,8 @@ class PosedCollider {
     // are often deleted under clothes. On the border of such a hole the cloth's normal is used, because the
     // body has no side there. reach: object units, finite, and its square too. hint: a triangle that is
     // probably near, or kNone; it only makes the search faster. worn_at: position of the cloth at rest; with
-    // nullptr any triangle may be under it. It prevents that an arm that the animation moves into the side of
-    // a shirt counts as a body under the shirt.
+    // nullptr any triangle may be under it. Because of worn_at, an arm that the animation moves into the side
+    // of a shirt does not count as a body under it.
     BodyContact closest(const Vec3& p, const Vec3& normal, float reach, Index hint,
                         const Vec3* worn_at = nullptr) const;
 

@@ -140,8 +140,7 @@ inline Index child_of(WaitingChild waiting) {
 // costs more than the box. No child is the root, so no entry of a waiting child is 0.
 inline int push_nearest_last(const Lanes& squared, const LaneMask& child, const LaneMask& open,
                              WaitingChild* top) {
-    constexpr std::array<std::uint8_t, 16> kTrue{0, 1, 1, 2, 1, 2, 2, 3,
-                                                 1, 2, 2, 3, 2, 3, 3, 4};  // number of bits that are set
+    constexpr std::array<std::uint8_t, 16> kTrue{0, 1, 1, 2, 1, 2, 2, 3, 1, 2, 2, 3, 2, 3, 3, 4};  // bits set
     WaitingChildren waiting = waiting_children(squared, child, open);
     const auto larger_first = [&](int i, int j) {
         const WaitingChild a = waiting[i], b = waiting[j];
@@ -160,8 +159,7 @@ inline int push_nearest_last(const Lanes& squared, const LaneMask& child, const 
 template <typename LookAt>
 void PosedPackets::search(const Vec3& p, const float& best, const NoneFaces* none_faces,
                           LookAt&& look_at) const {
-    constexpr int kMostWaiting =
-        64;  // three siblings per level, and the depth is log4 of the number of packets
+    constexpr int kMostWaiting = 64;  // three siblings per level; the depth is log4 of the packets
     WaitingChild stack[kMostWaiting];
     int top = 0;
     // Distances are rounded, also relative to the size of p. Among equal distances the lowest triangle must

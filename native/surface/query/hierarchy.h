@@ -12,8 +12,7 @@ namespace rumple {
 
 struct Hierarchy {
     struct Node {
-        Index first;  // leaf: index of its first item in `order`; inner node: the left child, followed by the
-                      // right one
+        Index first;  // leaf: its first item in `order`; else: the left child, followed by the right one
         Index count;  // items of a leaf; 0 for an inner node
     };
     std::vector<Node> nodes;   // children after their parents

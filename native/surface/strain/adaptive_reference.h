@@ -23,10 +23,8 @@ struct ReferenceSettings {
     Reference reference = Reference::kRestPose;
     float window = 0.1f;       // age of the pose that labels compare with, s, 0..10; 0: the previous frame
     float relaxation = 0.01f;  // of compressed reference triangles, share per 1/30 s, 0..1; thesis: 0.05
-    float growth =
-        1.05f;  // largest length of a reference triangle / length in the rest pose (kRestPose), >= 1
-    float growth_time =
-        0.1f;  // time in which a reference triangle takes over a longer shape, s, 0..10; thesis: 0
+    float growth = 1.05f;      // largest length / length in the rest pose (kRestPose), >= 1
+    float growth_time = 0.1f;  // of references that take over a longer shape, s, 0..10; thesis: 0
 };
 // Throws InvalidInput naming the first setting out of its range, the range and the value.
 void check_reference(const ReferenceSettings& settings);
@@ -49,9 +47,8 @@ FlatPose flat_pose(const TriangleNet& net, std::vector<Vec3> welded);
 // The time of a frame, and what is known about later frames. Labels do not depend on the reference, so they
 // can be computed in advance.
 struct FrameTime {
-    double time = 0.0;  // seconds; the frame number over the frame rate
-    std::span<const std::uint8_t>
-        labels{};  // from label_clip(), per triangle; if empty, they are computed here
+    double time = 0.0;                       // seconds; the frame number over the frame rate
+    std::span<const std::uint8_t> labels{};  // of label_clip(), per triangle; empty: computed here
     std::span<const Vec3> next_positions{};  // positions of the next frame for the cut; or empty
     double next_time = 0.0;
 };

@@ -317,7 +317,7 @@ LayersState solve(const Layers& layers, std::span<const Settings> settings, std:
     // - Contacts with its own cloth, and then with bodies in front, which replace farther contacts.
     // - The solve in this pose.
     // - The input of the next layer: the solved positions, corrected by missed_by_limit(), but not into the
-    // surfaces below or in front.
+    //   surfaces below or in front.
     check_counts(layers, settings.size(), paint.size());
     if (input.bodies)
         expect_count("body_hint", input.body_hint.size(), layers.layers[0]->base.display.vertex_count,

@@ -37,7 +37,7 @@ struct Settings {
     int hem_rings = 3;                    // rings over which r fades to 0 at open borders; 0: no fade
     int iterations = 10;                  // from a given state, >= 0
     int start_iterations = 20;            // from the canonical start, >= 0
-    float damping = 0.3f;                 // share of the offset before that is kept, 0..1
+    float damping = 0.3f;                 // share of the former offset that is kept, 0..1
     OffsetSpace offset_space = OffsetSpace::kTriangle;
     // Share of the distance to the attachment by which every pass pulls a vertex back, along the surface and
     // off it, 0..1. Without it cloth drifts within its radius, so folds in a frame depend on the frames
@@ -158,9 +158,8 @@ State activated(const State& state);
 // world_from_object is used only by OffsetSpace::kWorld, frame_time only by an adaptive rest shape.
 // For Collision::kPlane:
 //   gap: per vertex of the base, how far the cloth may move inwards before it meets what is worn under it,
-//   object units; empty: no limit but Settings::inside. bodies, body_hint: if the hint of a vertex of the
-//   base
-//   is a triangle of a body (else kNone), the body is searched for every solved vertex around it.
+//   object units; empty: no limit but Settings::inside. bodies, body_hint: if a vertex of the base has a
+//   triangle of a body as its hint (else kNone), the body is searched for every solved vertex around it.
 //   thickness: distance of the cloth from the body, object units. inner: how far an inner side extends below
 //   the cloth. shown: no layer lies on this one, so the surface between its vertices is also kept off bodies.
 //   looked_below: whether the layer below was put out of bodies.
