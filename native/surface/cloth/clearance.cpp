@@ -19,8 +19,7 @@ struct Known {
     float weight = 0.0f;  // 0: unknown
 };
 
-// A bare garment inside the body is moved out to the thickness. Parts that are deep inside stay, because they
-// are hidden there on purpose.
+// A bare garment inside the body is moved out to the thickness. Deep parts stay: they are hidden there.
 float room_inwards(const ClearanceSettings& settings, float distance) {
     const float out = smooth_step(-settings.depth, -0.25f * settings.depth, distance);
     return out * (distance - settings.thickness);
