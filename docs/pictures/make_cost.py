@@ -28,8 +28,8 @@ polyline { fill: none; stroke-width: 1.6; }
 
 
 def measured(benchmarks: str) -> dict[int, list[tuple[float, float]]]:
-    """(triangles, ms) of every size, by the number of threads. The least of three runs."""
-    found = json.loads(subprocess.run([benchmarks, f"--benchmark_filter={FILTER}", "--benchmark_repetitions=3",
+    """(triangles, ms) of every size, by the number of threads. The least of two runs."""
+    found = json.loads(subprocess.run([benchmarks, f"--benchmark_filter={FILTER}", "--benchmark_repetitions=2",
                                        "--benchmark_format=json"], stdout=subprocess.PIPE, check=True).stdout)
     least: dict[tuple[int, float], float] = {}
     for run in found["benchmarks"]:
