@@ -134,7 +134,7 @@ std::vector<Index> blocks_of_rows(Index rows, std::initializer_list<const RowPai
     for (size_t row = 1; row < farthest.size(); ++row)
         farthest[row] = std::max(farthest[row], farthest[row - 1]);
     std::vector<Index> start{0};
-    if (rows < Index(kLeastBlocks) * kBlockRows) start.push_back(rows);  // as one thread has them anyway
+    if (rows < Index(kLeastBlocks) * kBlockRows) start.push_back(rows);  // one thread sweeps them
     while (start.back() < rows) {
         const Index begin = start.back(), from_below = begin > 0 ? farthest[begin - 1] : 0;
         const Index end = std::max(begin + kBlockRows, farthest[from_below] + 1);
