@@ -22,7 +22,7 @@ namespace {
 
 // A smaller block is swept in less time than threads take to meet. Blocks do not depend on the number of
 // threads, so the order of the sweeps does not either.
-constexpr Index kBlockRows = 512;
+constexpr Index kBlockRows = 1024;
 
 FineMesh copy_own(const Surface& own, const Source& source, Index display_steps) {
     FineSource as_it_is = source;
