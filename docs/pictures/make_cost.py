@@ -13,18 +13,11 @@ import subprocess
 import sys
 from pathlib import Path
 
+from charts import svg, words
+
 FILTER = "solve_on_threads"
 SMALLEST, LARGEST, MOST = 1e3, 1e7, 500.0  # what is drawn: triangles, nanoseconds per triangle
 LEFT, TOP, WIDE, HIGH = 64, 46, 600, 300
-STYLE = """
-svg { --back: #ffffff; --text: #1c1e21; --line: #c3c9d0; --k1: #2f6fae; --k2: #c0602a; }
-@media (prefers-color-scheme: dark) {
-    svg { --back: #16181b; --text: #e4e6e9; --line: #3a4048; --k1: #7db6ea; --k2: #f0a070; }
-}
-text { font: 13px system-ui, "DejaVu Sans", sans-serif; fill: var(--text); }
-polyline { fill: none; stroke-width: 1.6; }
-.grid { stroke: var(--line); stroke-width: 1; }
-"""
 
 
 def measured(benchmarks: str) -> dict[int, list[tuple[float, float]]]:
@@ -51,10 +44,6 @@ def down(nanoseconds: float) -> float:
     return TOP + HIGH * (1.0 - nanoseconds / MOST)
 
 
-def words(text: str, x: float, y: float, anchor: str = "middle", color: str = "--text") -> str:
-    return f'<text x="{x:.0f}" y="{y:.0f}" text-anchor="{anchor}" style="fill:var({color})">{text}</text>'
-
-
 def axes() -> str:
     parts = [f'<path class="grid" d="M{LEFT} {down(n)}h{WIDE}"/>' + words(f"{n}", LEFT - 10, down(n) + 4, "end")
              for n in range(0, int(MOST) + 1, 100)]
@@ -70,16 +59,12 @@ def chart(rows: dict[int, list[tuple[float, float]]]) -> str:
     parts = [axes()]
     for threads, sizes in rows.items():
         places = [(across(triangles), down(1e6 * ms / triangles)) for triangles, ms in sizes]
-        color, line = f"--k{threads}", " ".join(f"{x:.1f},{y:.1f}" for x, y in places)
+        color, line = f"--k{threads - 1}", " ".join(f"{x:.1f},{y:.1f}" for x, y in places)
         parts.append(f'<polyline style="stroke:var({color})" points="{line}"/>')
         parts += [f'<circle cx="{x:.1f}" cy="{y:.1f}" r="3.4" style="fill:var({color})"/>' for x, y in places]
         x, y = places[-1]
         parts.append(words(f"{threads} thread{'s' * (threads > 1)}", x + 8, y + 4, "start", color))
-    wide, high = LEFT + WIDE + 50, TOP + HIGH + 58
-    return (f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {wide} {high}" width="{wide}" height="{high}" '
-            'role="img"><!-- SPDX-License-Identifier: GPL-3.0-or-later; made by make_cost.py -->'
-            f'<title>Cost of a solve by its size</title><style>{STYLE}</style>'
-            f'<rect width="100%" height="100%" fill="var(--back)"/>{"".join(parts)}</svg>\n')
+    return svg("Cost of a solve by its size", "make_cost.py", LEFT + WIDE + 50, TOP + HIGH + 58, parts)
 
 
 if __name__ == "__main__":

@@ -15,6 +15,7 @@ import numpy as np
 
 ROOT = Path(__file__).resolve().parents[2]
 sys.path[:0] = [str(ROOT / "addon")]
+from charts import svg, words  # noqa: E402
 from rumple.native import kernels  # noqa: E402
 
 SIDE = 0.2  # metres
@@ -24,15 +25,6 @@ FOLDED = (30.0, 100.0)  # k2, m^2/s^2: the add-on's, and a stiffer one
 TARGETS = (*np.linspace(0.02, 0.98, 25), *np.linspace(1.1, 1.9, 7))
 SHORTEST, LONGEST, MOST = 0.3, 1.08, 20.0  # what is drawn: length over that at rest, force over weight and length
 LEFT, TOP, WIDE, HIGH = 78, 46, 560, 340
-STYLE = """
-svg { --back: #ffffff; --text: #1c1e21; --line: #c3c9d0; --k0: #2f6fae; --k1: #c0602a; }
-@media (prefers-color-scheme: dark) {
-    svg { --back: #16181b; --text: #e4e6e9; --line: #3a4048; --k0: #7db6ea; --k1: #f0a070; }
-}
-text { font: 13px system-ui, "DejaVu Sans", sans-serif; fill: var(--text); }
-polyline { fill: none; stroke-width: 1.6; }
-.grid { stroke: var(--line); stroke-width: 1; }
-"""
 
 
 def made_settings(folded: float) -> kernels.BaseClothSettings:
@@ -78,10 +70,6 @@ def down(force: float) -> float:
     return TOP + HIGH * (MOST - force) / (2.0 * MOST)
 
 
-def words(text: str, x: float, y: float, anchor: str = "middle", color: str = "--text") -> str:
-    return f'<text x="{x:.0f}" y="{y:.0f}" text-anchor="{anchor}" style="fill:var({color})">{text}</text>'
-
-
 def axes(limit: float) -> str:
     """With lines at even numbers and at the compression limit."""
     parts = [f'<path class="grid" d="M{LEFT} {down(force)}h{WIDE}"/>' +
@@ -116,11 +104,8 @@ def chart() -> str:
     settings = made_settings(FOLDED[0])
     parts.append(words(f"k1 = {settings.compression:.0f}", across(0.86), down(law(settings, 0.86)) - 12))
     parts.append(words(f"stretch {settings.stretch:.0f}", across(1.0) - 8, down(-14.0), "end"))
-    wide, high = LEFT + WIDE + 30, TOP + HIGH + 58
-    return (f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {wide} {high}" width="{wide}" height="{high}" '
-            'role="img"><!-- SPDX-License-Identifier: GPL-3.0-or-later; made by make_two_phases.py -->'
-            f'<title>Force of a spring by its length, from the solver and as written</title><style>{STYLE}</style>'
-            f'<rect width="100%" height="100%" fill="var(--back)"/>{"".join(parts)}</svg>\n')
+    return svg("Force of a spring by its length, from the solver and as written", "make_two_phases.py",
+               LEFT + WIDE + 30, TOP + HIGH + 58, parts)
 
 
 if __name__ == "__main__":

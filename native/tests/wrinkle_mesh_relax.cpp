@@ -164,7 +164,12 @@ TEST(Relaxing, BlocksThatAreSweptAtTheSameTimeShareNoVertex) {
     }
 }
 
-// Where one lies over several blocks they are longer.
+// In blocks, an edit of a small mesh would reach farther.
+TEST(Relaxing, ASmallMeshIsOneBlock) {
+    EXPECT_EQ(blocks_of(*Cloth(grid(15, 15, 0.1f)).model), 1u);
+}
+
+// A triangle that extends over several blocks makes them longer.
 TEST(Relaxing, BlocksShareNoVertexOverLongTrianglesEither) {
     MeshData mesh = grid(40, 8, 0.1f);
     const auto by_x = [&](const Vec3& p, const Vec3& q) { return p.x < q.x; };
