@@ -102,7 +102,8 @@ struct Model {
     ClearanceModel clearance;
     std::vector<Overlap> overlaps;
     Hems hems;
-    std::vector<float> cover_room;  // room_over_parts()
+    std::vector<Cover> covers;
+    std::vector<float> cover_room;  // room_over_parts() at rest
 };
 std::shared_ptr<const Model> build(Surface surface);
 

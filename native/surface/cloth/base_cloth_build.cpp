@@ -7,6 +7,7 @@
 #include "base/tolerances.h"
 #include "surface/cloth/base_cloth.h"
 #include "surface/cloth/smooth_normals.h"
+#include "surface/mesh/normals.h"
 #include "surface/refine/refinement.h"
 
 namespace rumple::base_cloth {
@@ -202,7 +203,10 @@ std::shared_ptr<const Model> build(Surface surface) {
     model->clearance = build_clearance(model->surface);
     model->overlaps = find_overlaps(model->surface);
     model->hems = find_hems(model->surface);
-    model->cover_room = room_over_parts(model->surface, model->hems, model->overlaps);
+    model->covers = find_covers(model->surface, model->hems, model->overlaps);
+    const std::vector<Vec3>& rest = model->surface.positions_rest;
+    model->cover_room = room_over_parts(model->surface, model->hems, model->covers, rest,
+                                        vertex_normals(model->surface, rest));
     return model;
 }
 

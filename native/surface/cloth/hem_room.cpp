@@ -3,11 +3,14 @@
 
 #include <algorithm>
 #include <limits>
+#include <map>
 
 #include "base/smooth_step.h"
 #include "surface/cloth/garment_borders.h"
+#include "surface/mesh/normals.h"
 #include "surface/output/attachments.h"
 #include "surface/query/bounds.h"
+#include "surface/query/segment.h"
 
 namespace rumple::base_cloth {
 namespace {
@@ -18,6 +21,14 @@ constexpr float kTogether = 1.0f / 300.0f;
 
 // Share of its overlap with the border below by which a hem may leave its place. The border has the rest.
 constexpr float kOfOverlap = 0.7f;
+
+// A hem that stands off what it covers hides less of it from an eye below the hem. The overlap is shortened
+// by this share of the distance between both, measured off the surface.
+constexpr float kSeenFromBelow = 0.5f;
+
+// Borders farther apart than this, measured off the surface in units of Hems::together, do not count as one
+// over the other: what they are farther apart is added to the overlap.
+constexpr float kApart = 10.0f;
 
 // Radius over the garment's diagonal: smaller borders are of buttons, buckles and eyelets.
 constexpr float kButton = 1.0f / 80.0f;
@@ -37,6 +48,55 @@ const Hems::Hem* hem_over(const Hems& hems, Index part, const Vec3& place, std::
         }
     }
     return away > hems.together ? nearest : nullptr;
+}
+
+// For every welded vertex, the index of its hem, or kNone.
+std::vector<Index> hems_of_vertices(const Hems& hems) {
+    std::vector<Index> out(hems.part.size(), kNone);
+    for (Index k = 0; k < static_cast<Index>(hems.all.size()); ++k)
+        for (const Index v : hems.all[k].vertices) out[v] = k;
+    return out;
+}
+
+// The two ends of a border edge, in the order of its polygon's corners.
+Hems::Side directed(const Surface& surface, const Edge& edge) {
+    const Index begin = surface.welded.polygon_start[edge.left],
+                size = surface.welded.polygon_size(edge.left);
+    for (Index k = 0; k < size; ++k) {
+        const Index from = surface.welded.corner_vertex[begin + k],
+                    to = surface.welded.corner_vertex[begin + (k + 1) % size];
+        if (from == edge.b && to == edge.a) return {edge.b, edge.a};
+    }
+    return {edge.a, edge.b};
+}
+
+// The border edge nearest to a place, and how far the place lies behind it, along the surface, as an eye
+// below the hem sees it. It is 0 if the place lies in front of the edge, uncovered. A place beside the end of
+// the line is not uncovered.
+struct Behind {
+    float distance = kFar;
+    Hems::Side side{};
+};
+Behind behind(std::span<const Hems::Side> line, const Vec3& place, std::span<const Vec3> positions,
+              std::span<const Vec3> normals, float apart) {
+    Behind found;
+    float nearest = kFar;
+    for (const Hems::Side& side : line) {
+        const Vec3 &a = positions[side[0]], &b = positions[side[1]];
+        const float s = closest_on_segment(a, b, place);
+        const Vec3 way = glm::mix(a, b, s) - place;
+        const float squared = glm::dot(way, way);
+        if (!(squared < nearest)) continue;
+        nearest = squared;
+        const Vec3 normal = direction_of_normals(glm::mix(normals[side[0]], normals[side[1]], s));
+        const float height = std::abs(glm::dot(way, normal));
+        const Vec3 along = way - glm::dot(way, normal) * normal, outwards = glm::cross(b - a, normal);
+        const float size = glm::length(along) * glm::length(outwards);
+        const float share = size > 0.0f ? smooth_step(-0.5f, 0.0f, glm::dot(along, outwards) / size) : 0.0f;
+        const float seen = std::max(glm::length(along) - kSeenFromBelow * std::min(height, apart), 0.0f);
+        found = {share * seen + std::max(height - apart, 0.0f), side};
+    }
+    return found;
 }
 
 // From the hems on: a vertex has the room of each vertex of a hem of its part, and as much more as it is
@@ -86,32 +146,58 @@ Hems find_hems(const Surface& surface) {
         if (hems.part[v] != kNone) hems.of_part[hems.part[v]].push_back(v);
     for (const Border& border : borders.all)
         if (border.radius >= kButton * diagonal) hems.all.push_back({border.vertices, border.part});
+    const std::vector<Index> border_of = hems_of_vertices(hems);
+    for (const Edge& edge : surface.edges)
+        if (edge.right == kNone && border_of[edge.a] != kNone)
+            hems.all[border_of[edge.a]].sides.push_back(directed(surface, edge));
     return hems;
 }
 
-std::vector<float> room_over_parts(const Surface& surface, const Hems& hems,
-                                   std::span<const Overlap> overlaps) {
+std::vector<Cover> find_covers(const Surface& surface, const Hems& hems, std::span<const Overlap> overlaps) {
     const std::vector<Vec3>& rest = surface.positions_rest;
-    std::vector<bool> on_hem(rest.size(), false);
-    for (const Hems::Hem& hem : hems.all)
-        for (const Index v : hem.vertices) on_hem[v] = true;
+    const std::vector<Index> border_of = hems_of_vertices(hems);
     const std::vector<bool> is_lining = linings(hems, overlaps);
-    std::vector<float> of_hem(rest.size(), kFar);
+    std::map<std::pair<Index, Index>, Cover> covers;  // of the hem above and the border below
     for (const auto& [v, place, outer] : overlaps) {
-        if (outer || !on_hem[v] || is_lining[hems.part[v]]) continue;
-        const Vec3 above = interpolate(surface, place, rest);
+        if (outer || border_of[v] == kNone || is_lining[hems.part[v]]) continue;
         const Index covering = hems.part[welded_vertices(surface, place.triangle)[0]];
-        const Hems::Hem* hem = hem_over(hems, covering, above, rest);
+        const Hems::Hem* hem = hem_over(hems, covering, interpolate(surface, place, rest), rest);
         if (!hem) continue;
-        float overlap = kFar;
-        for (const Index h : hem->vertices) {
-            const float distance = glm::distance(above, rest[h]);
-            of_hem[h] = std::min(of_hem[h], kOfOverlap * distance);
-            overlap = std::min(overlap, distance);
-        }
-        of_hem[v] = std::min(of_hem[v], (1.0f - kOfOverlap) * overlap);
+        const auto above = static_cast<Index>(hem - hems.all.data());
+        covers.try_emplace({above, border_of[v]}, Cover{above}).first->second.border.push_back(v);
     }
-    return room_behind(surface, hems, of_hem, kFar);
+    std::vector<Cover> out;
+    for (auto& [pair, found] : covers) {
+        Cover& cover = found;
+        const auto covered = [&](Index v) { return std::ranges::binary_search(cover.border, v); };
+        for (const Hems::Side& side : hems.all[pair.second].sides)
+            if (covered(side[0]) && covered(side[1])) cover.sides.push_back(side);
+        out.push_back(std::move(cover));
+    }
+    return out;
+}
+
+std::vector<float> room_over_parts(const Surface& surface, const Hems& hems, std::span<const Cover> covers,
+                                   std::span<const Vec3> positions, std::span<const Vec3> normals,
+                                   float most) {
+    std::vector<float> of_hem(surface.positions_rest.size(), kFar);
+    const auto hold = [&](Index v, float room) { of_hem[v] = std::min(of_hem[v], room); };
+    const float apart = kApart * hems.together;
+    for (const Cover& cover : covers) {
+        const Hems::Hem& hem = hems.all[cover.hem];
+        for (const Index v : cover.border) {
+            const Behind hem_beyond = behind(hem.sides, positions[v], positions, normals, apart);
+            hold(v, (1.0f - kOfOverlap) * hem_beyond.distance);
+            for (const Index h : hem_beyond.side) hold(h, kOfOverlap * hem_beyond.distance);
+        }
+        if (cover.sides.empty()) continue;
+        for (const Index h : hem.vertices) {
+            const Behind end = behind(cover.sides, positions[h], positions, normals, apart);
+            hold(h, kOfOverlap * end.distance);
+            for (const Index v : end.side) hold(v, (1.0f - kOfOverlap) * end.distance);
+        }
+    }
+    return room_behind(surface, hems, of_hem, most);
 }
 
 std::vector<float> room_over_bodies(const Surface& surface, const Hems& hems, const PosedCollider& bodies,

@@ -73,13 +73,18 @@ std::vector<float> find_free_depth(const Model& model, const Settings& settings,
 void place_room(const Model& model, const Settings& settings, const Paint& paint, const PosedCollider* bodies,
                 std::span<const BodyContact> under, std::span<const Vec3> smooth, Pose& pose) {
     std::vector<float> covering = model.cover_room;
-    if (bodies) {
-        const float most = std::ranges::max(paint.room.empty() ? std::vector{1.0f} : paint.room),
-                    unheld = std::max(settings.room * std::max(most, 1.0f), settings.slide_room);
-        const std::vector<float> over = room_over_bodies(model.surface, model.hems, *bodies, under, smooth,
-                                                         pose.normal, settings.clearance.reach, unheld);
+    const auto keep_covered = [&](const std::vector<float>& over) {
         for (size_t v = 0; v < covering.size(); ++v) covering[v] = std::min(covering[v], over[v]);
-    }
+    };
+    const float most = std::ranges::max(paint.room.empty() ? std::vector{1.0f} : paint.room),
+                unheld = std::max(settings.room * std::max(most, 1.0f), settings.slide_room);
+    // If skinning moves the parts against one another, a hem covers less than at rest.
+    if (!model.covers.empty())
+        keep_covered(
+            room_over_parts(model.surface, model.hems, model.covers, pose.animated, pose.normal, unheld));
+    if (bodies)
+        keep_covered(room_over_bodies(model.surface, model.hems, *bodies, under, smooth, pose.normal,
+                                      settings.clearance.reach, unheld));
     for (size_t v = 0; v < covering.size(); ++v) {
         const float factor = painted(paint.room, model.surface.representative[v], 1.0f);
         const float room = std::min(settings.room * factor, covering[v]),

@@ -286,6 +286,7 @@ std::shared_ptr<const Layers> build_layers(Surface base, Index levels, Index dis
         }
         out->stretch = build_stretch(out->base);
         out->bent_lines = build_bent_lines(out->base);
+        out->covering = find_covering_hems(out->base);
         out->shown_in_viewport = show_in_viewport(out->base, out->base, fine, display_steps, viewport_steps,
                                                   out->layers.back()->positions_rest);
     };
@@ -336,6 +337,7 @@ LayersState solve(const Layers& layers, std::span<const Settings> settings, std:
     std::optional<BaseStrain> strain;
     std::vector<Vec3> unwrinkled(input.positions.begin(), input.positions.end());
     std::vector<float> to_spare = share_to_spare(input);
+    PaintOfHems of_hems(layers.base, layers.covering, input.positions, layers.layers.size());
     for (size_t k = 0; k < layers.layers.size(); ++k) {
         const Model& layer = *layers.layers[k];
         check(layer, paint[k]);
@@ -347,8 +349,9 @@ LayersState solve(const Layers& layers, std::span<const Settings> settings, std:
         find_self_contacts(layers.self_contact[k], layer, settings[k], paint[k], of_cloth, pose);
         if (input.bodies)
             look_ahead(*input.bodies, layer, settings[k], paint[k], input.thickness, of_bodies, pose);
-        out.layers.push_back(solve_pose(layer, settings[k], paint[k], layer_input.input(), pose,
-                                        state ? &state->layers[k] : nullptr, reports[k]));
+        out.layers.push_back(solve_pose(layer, settings[k], of_hems.go_on(layer, settings[k], paint[k]),
+                                        layer_input.input(), pose, state ? &state->layers[k] : nullptr,
+                                        reports[k]));
         out.solved = solved_positions(layer, settings[k], layer_input.input(), pose, out.layers[k]);
         layer_input.go_on(layer.base, pose, out.solved,
                           missed_by_limit(layers, k, differences(out.solved, unwrinkled)),

@@ -9,6 +9,7 @@
 
 #include "surface/contact/self_distance.h"
 #include "surface/strain/bent_lines.h"
+#include "systems/wrinkle_mesh/hem_paint.h"
 #include "systems/wrinkle_mesh/wrinkle_mesh.h"
 
 namespace rumple::wrinkle_mesh {
@@ -24,6 +25,7 @@ struct Layers {
     std::optional<ShownMesh> shown_in_viewport;        // if viewports use fewer subdivisions
     StretchModel stretch;
     BentLinesModel bent_lines;
+    CoveringHems covering;
 };
 
 // levels: solved subdivisions of the base, 0..kMostLevels; there are levels + 1 layers. display_steps,
