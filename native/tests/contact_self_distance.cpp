@@ -16,7 +16,7 @@ using namespace wrinkle_mesh;
 
 constexpr Index kSide = 6;
 constexpr float kEdge = 0.02f;
-constexpr float kGap = 0.004f;
+constexpr float kGap = 0.004f, kInfinity = std::numeric_limits<float>::infinity();
 
 // Two square sheets that are one mesh, one above the other. The lower one's normals point up, the upper one's
 // down, if they face; else both up.
@@ -49,20 +49,20 @@ std::vector<SelfContactSide> sides_of(const MeshData& mesh, float reach) {
 }
 
 // Of two sheets each vertex knows of the other one, across the gap.
-void expect_the_gap(const std::vector<SelfContactSide>& sides) {
+void expect_the_gap(const std::vector<SelfContactSide>& sides, bool opposed) {
     for (size_t v = 0; v < sides.size(); ++v) {
         EXPECT_NEAR(sides[v].distance, kGap, kRounding);
         const float up = v < sides.size() / 2 ? 1.0f : -1.0f;
         EXPECT_LT(glm::distance(sides[v].towards, Vec3(0.0f, 0.0f, up)), 1e-4f);
-        EXPECT_TRUE(sides[v].outside);
+        EXPECT_EQ(sides[v].in_any_direction, opposed ? sides[v].distance : kInfinity);
     }
 }
 
 TEST(SelfDistance, OfTwoSheetsIsTheGapBetweenThem) {
-    expect_the_gap(sides_of(two_sheets(kGap, true), 2.0f * kGap));
-    // Passed through each other, each lies behind the other.
+    expect_the_gap(sides_of(two_sheets(kGap, true), 2.0f * kGap), true);
+    // Where they have passed each other it is the depth, so what crosses stays as it is.
     for (const SelfContactSide& side : sides_of(two_sheets(-kGap, true), 2.0f * kGap))
-        EXPECT_FALSE(side.outside);
+        EXPECT_NEAR(side.in_any_direction, kGap, kRounding);
 }
 
 TEST(SelfDistance, WhatIsFarOrFacesTheSameWayOrLiesAroundIsNothing) {
@@ -77,7 +77,7 @@ TEST(SelfDistance, WhatIsFarOrFacesTheSameWayOrLiesAroundIsNothing) {
 
 // A hem of a blouse sank into the skirt under it: they face the same way.
 TEST(SelfDistance, OfAnotherPartCountsWhatFacesTheSameWay) {
-    expect_the_gap(sides_of(two_sheets(kGap, false), 2.0f * kGap));
+    expect_the_gap(sides_of(two_sheets(kGap, false), 2.0f * kGap), false);
     // Where they touch they were cut apart.
     for (const SelfContactSide& side : sides_of(two_sheets(0.0f, false), kGap))
         EXPECT_EQ(side.towards, Vec3(0.0f));
@@ -173,7 +173,8 @@ TEST(SelfDistance, TheSidesOfAUDoNotPassEachOther) {
     for (const Report& report : reports) EXPECT_GT(report.kept_apart, 0);
 }
 
-TEST(SelfDistance, AVertexGoesAShareOfTheWay) {
+// In any direction, as in the paper.
+TEST(SelfDistance, AVertexMovesAtMostByAShareOfTheGap) {
     const U u;
     constexpr float kShare = 0.3f;
     const auto settings = u.settings(kShare);
@@ -190,7 +191,7 @@ TEST(SelfDistance, AVertexGoesAShareOfTheWay) {
         for (size_t v = 0; v < u.pose.size(); ++v) {
             const float s = u.mesh.positions[v].x - 0.5f * kEdge * U::kAlong;
             if (std::abs(s) < 4.0f * kEdge) continue;  // straight above one another
-            most = std::max(most, (s < 0.0f ? 1.0f : -1.0f) * (picture.positions[v].z - u.pose[v].z));
+            most = std::max(most, glm::distance(picture.positions[v], u.pose[v]));
         }
         return most;
     };

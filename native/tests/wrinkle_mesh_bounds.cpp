@@ -149,7 +149,7 @@ TEST(WrinkleMeshBounds, AVertexPutWithinItsBoundsIsWithinAllOfThem) {
     settings.apart = settings.slide = 0.45f;
     for (const Collision collision : {Collision::kPlane, Collision::kNeighbourhood}) {
         settings.collision = collision;
-        int moved = 0;
+        int moved = 0, bounded = 0;
         for (const Pose3& base :
              {cloth.squeezed(0.6f, 2.0f), cloth.folded(0.25f, 2.6f), cloth.folded(0.25f, -2.0f)}) {
             Pose pose = make_pose(model, {base});
@@ -168,10 +168,15 @@ TEST(WrinkleMeshBounds, AVertexPutWithinItsBoundsIsWithinAllOfThem) {
                     bounds.project(v, p);
                     moved += p != asked;
                     ASSERT_FALSE(bounds.push_back(v, p)) << v << ", " << n;
+                    // Where the cloth touches or crosses itself, a layer adds nothing.
+                    const float most = settings.apart * pose.self_contact[v].in_any_direction;
+                    ASSERT_LE(glm::distance(p, pose.attachment[v]), most + kRounding) << v << ", " << n;
+                    bounded += std::isfinite(most);
                 }
             }
         }
         EXPECT_GT(moved, 1000);
+        EXPECT_GT(bounded, 1000);
     }
 }
 

@@ -62,8 +62,10 @@ struct Frame {
         for (size_t v = 0; self_contact && v < start.size(); ++v) {
             const Vec3 towards = glm::normalize(Vec3(within(-1, 1), within(-1, 1), 0.1f));
             pose.heights.push_back(within(0.1f, 2.0f) * edge);
-            pose.self_contact.push_back(v % 3 == 0 ? SelfContactSide{}
-                                                   : SelfContactSide{towards, within(0, edge), v % 2 == 0});
+            const float distance = within(0, edge);
+            pose.self_contact.push_back(
+                v % 3 == 0 ? SelfContactSide{}
+                           : SelfContactSide{towards, distance, v % 2 == 0 ? distance : 2.0f * edge});
         }
     }
 

@@ -10,6 +10,8 @@
 namespace rumple {
 namespace {
 
+constexpr float kFar = std::numeric_limits<float>::infinity();
+
 // Per vertex: the lowest vertex of its part. Empty if there is only one part.
 std::vector<Index> parts_of(size_t vertices, const std::vector<std::array<Index, 3>>& triangles) {
     DisjointSets sets(static_cast<Index>(vertices));
@@ -79,7 +81,7 @@ SelfContactSide PosedSelfContactMesh::nearest(Index vertex, float reach, Index& 
     const float distance = std::sqrt(best);
     const Vec3 towards =
         distance > kSamePlace * reach ? displacement / distance : -normals_.of_face[found].vec();
-    return {towards, distance, face_the_same_way(vertex, found) || glm::dot(towards, normal) > 0.0f};
+    return {towards, distance, face_the_same_way(vertex, found) ? kFar : distance};
 }
 
 std::vector<SelfContactSide> PosedSelfContactMesh::facing(std::span<const float> reach) const {
@@ -95,9 +97,7 @@ std::vector<SelfContactSide> PosedSelfContactMesh::facing(std::span<const float>
         if (triangle[v] == kNone) continue;
         for (const Index u : surface_.triangles_[triangle[v]]) {
             if (found[v].distance >= out[u].distance) continue;
-            const bool outside = face_the_same_way(static_cast<Index>(v), triangle[v]) ||
-                                 glm::dot(found[v].towards, normals_.of_vertex[u].vec()) < 0.0f;
-            out[u] = {-found[v].towards, found[v].distance, outside};
+            out[u] = {-found[v].towards, found[v].distance, found[v].in_any_direction};
         }
     }
     return out;
@@ -122,7 +122,7 @@ std::vector<float> PosedSelfContactMesh::heights() const {
             for (size_t k = 0; k < count; ++k) of_corner[3 * (first + k) + size_t(i)] = height[k];
         }
     });
-    std::vector<float> out(count_, std::numeric_limits<float>::infinity());
+    std::vector<float> out(count_, kFar);
     for_each_index(count_, kLeastSteps, [&](size_t v) {
         for (const Index c : surface_.corners_.of(v)) out[v] = std::min(out[v], of_corner[c]);
     });

@@ -41,9 +41,9 @@ class SelfContactMesh {
 struct SelfContactSide {
     Vec3 towards{0.0f};  // unit: from the vertex to that point; zero: nothing faces it
     float distance = std::numeric_limits<float>::infinity();  // object units
-    // Whether the point lies on the side to which the vertex's normal points. It is always true if both face
-    // the same way, because then one is worn over the other, and they have not passed each other.
-    bool outside = false;
+    // The distance, if the normals are opposed: it then bounds movement in any direction. Infinity if both
+    // face the same way: one is worn over the other, and only movement towards it is bounded.
+    float in_any_direction = std::numeric_limits<float>::infinity();
 };
 
 // A cloth in the pose of one frame.

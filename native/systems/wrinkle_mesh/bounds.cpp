@@ -45,13 +45,9 @@ void keep_off_self(const Bound<Real>& bound, Vec3Of<Real>& p) {
     const auto slide_scale = [&](const Vec3Of<Real>& way) { return shortening(dot(way, way), bound.slide); };
     const Vec3Of<Real> way = along();
     p = p - (one - slide_scale(way)) * way;
-    // `behind` is finite only if the facing cloth is behind the vertex. Then the two may have passed each
-    // other already, and it is unknown which direction is safe.
     const Real moved = dot(p - bound.at, bound.towards);
-    if (in_any((moved > bound.ahead) | (moved < bound.behind))) {
+    if (in_any(moved > bound.ahead))
         p = choose(moved > bound.ahead, p - (moved - bound.ahead) * bound.towards, p);
-        p = choose(moved < bound.behind, p - (moved - bound.behind) * bound.towards, p);
-    }
     // The steps above may break other bounds. Moving the vertex straight towards the attachment repairs them
     // and breaks none. Then all bounds hold at once, so a held vertex is not pushed again in every frame.
     // (kNeighbourhood: keep_above_floor().)
@@ -105,9 +101,10 @@ Bounds::Bounds(const Model& model, const Settings& settings, const Paint& paint,
         if (settings.slide > 0.0f && !pose.heights.empty()) four.slide[k] = settings.slide * pose.heights[v];
         if (settings.apart <= 0.0f || pose.self_contact.empty() || pose.self_contact[v].towards == Vec3(0.0f))
             return;
-        four.towards.set(k, pose.self_contact[v].towards);
-        four.ahead[k] = settings.apart * pose.self_contact[v].distance;
-        if (!pose.self_contact[v].outside) four.behind[k] = -four.ahead[k];
+        const SelfContactSide& facing = pose.self_contact[v];
+        four.radius[k] = std::min(radii_[v], settings.apart * facing.in_any_direction);
+        four.towards.set(k, facing.towards);
+        four.ahead[k] = settings.apart * facing.distance;
     });
 }
 
@@ -115,8 +112,8 @@ Bound<float> Bounds::bound(size_t v) const {
     const size_t row = size_t(model_.row_of[v]);
     const Bound<Lanes>& four = fours_[row / kLanes];
     const int k = static_cast<int>(row % kLanes);
-    return {four.at.at(k), four.normal.at(k),  four.radius[k], four.floor.at(k), four.lowest[k],
-            four.slide[k], four.towards.at(k), four.ahead[k],  four.behind[k]};
+    return {four.at.at(k),  four.normal.at(k), four.radius[k],     four.floor.at(k),
+            four.lowest[k], four.slide[k],     four.towards.at(k), four.ahead[k]};
 }
 
 void Bounds::project(size_t v, Vec3& p) const {
@@ -169,8 +166,9 @@ void Bounds::keep_above_floor(size_t v, float slack, Vec3& p) const {
 bool Bounds::kept_apart(size_t v, const Vec3& p) const {
     const Bound<float> b = bound(v);
     if (b.towards == Vec3(0.0f) || radii_[v] <= 0.0f) return false;
-    const float moved = glm::dot(p - b.at, b.towards), rounding = kHeldOutside * radii_[v];
-    return moved > b.ahead - rounding || moved < b.behind + rounding;
+    const float rounding = kHeldOutside * radii_[v];
+    return glm::dot(p - b.at, b.towards) > b.ahead - rounding ||
+           (b.radius < radii_[v] && glm::distance(p, b.at) > b.radius - rounding);
 }
 
 bool Bounds::push_back(size_t v, Vec3& p) const {

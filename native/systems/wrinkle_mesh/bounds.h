@@ -15,13 +15,13 @@ template <typename Real>
 struct Bound {
     static constexpr float kFar = std::numeric_limits<float>::infinity();
 
-    Vec3Of<Real> at{}, normal{};                    // of the attachment
-    Real radius = all<Real>(kFar);                  // largest distance from the attachment
-    Vec3Of<Real> floor{};                           // unit: direction away from the surface worn under it
-    Real lowest = all<Real>(-kFar);                 // least height above the attachment in this direction
-    Real slide = all<Real>(kFar);                   // largest distance from the attachment along the surface
-    Vec3Of<Real> towards{};                         // unit: direction to its own cloth; zero: none faces it
-    Real ahead = all<Real>(kFar), behind = -ahead;  // limits in this direction from the attachment
+    Vec3Of<Real> at{}, normal{};     // of the attachment
+    Real radius = all<Real>(kFar);   // largest distance from the attachment
+    Vec3Of<Real> floor{};            // unit: direction away from the surface worn under it
+    Real lowest = all<Real>(-kFar);  // least height above the attachment in this direction
+    Real slide = all<Real>(kFar);    // largest distance from the attachment along the surface
+    Vec3Of<Real> towards{};          // unit: direction to its own cloth, or to a body; zero: none faces it
+    Real ahead = all<Real>(kFar);    // limit in this direction from the attachment
 };
 
 // The bounds of vertices: section 3.1 (attachment, equation 7) and 4.2 (collision).

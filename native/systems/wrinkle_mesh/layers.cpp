@@ -192,7 +192,7 @@ void find_self_contacts(const SelfContactMesh& mesh, const Model& layer, const S
 }
 
 // A body in front bounds a vertex like its own cloth. The share `apart` is not applied, because a body does
-// not move away. If it is nearer, it replaces the contact of find_self_contacts().
+// not move away. If it is nearer, its plane replaces that of find_self_contacts().
 void look_ahead(const PosedCollider& bodies, const Model& layer, const Settings& settings, const Paint& paint,
                 float thickness, NothingInReach& nothing, Pose& pose) {
     nothing.go_on(layer);
@@ -207,8 +207,9 @@ void look_ahead(const PosedCollider& bodies, const Model& layer, const Settings&
             return;
         }
         const float before = std::max(glm::dot(a - body.point, body.normal) - thickness, 0.0f);
-        if (before / settings.apart < pose.self_contact[v].distance)
-            pose.self_contact[v] = {-body.normal, before / settings.apart, true};
+        SelfContactSide& facing = pose.self_contact[v];
+        if (before / settings.apart < facing.distance)
+            facing = {-body.normal, before / settings.apart, facing.in_any_direction};
     });
 }
 
