@@ -10,7 +10,7 @@ from unittest import mock
 import bpy
 import numpy as np
 from rumple.blender import scheduler
-from rumple.blender.frame import solve
+from rumple.blender.frame import garment_frame
 from rumple.blender.objects import modifier, runtimes
 from support import reference_solve, render_cases, sleeve, small_renders
 from support.cloth_scenes import Cloth, difference, dressed, final, forget, garment, pictures, played
@@ -218,14 +218,14 @@ class ToTheBit(Cloth):
     def rendered(self, render: Callable[[], object]) -> dict[float, np.ndarray]:
         """Positions by time, as they are shown to renders. A fault of the spy itself is one of the frame, which no
         handler throws: once it was read as frames that are missing."""
-        found, show = {}, solve._show
+        found, write = {}, garment_frame._write
 
         def spy(held: Any, runtime: Any, picture: Any, in_viewport: bool) -> bool:
             if not in_viewport:
                 found[runtime.inputs.frame] = picture.positions
-            return show(held, runtime, picture, in_viewport)
+            return write(held, runtime, picture, in_viewport)
 
-        with mock.patch.object(solve, "_show", spy):
+        with mock.patch.object(garment_frame, "_write", spy):
             render()
         self.assertEqual(runtimes.of(self.obj).message, "")
         return found

@@ -100,7 +100,7 @@ class FirstPass(unittest.TestCase):
     def test_it_is_shown_whole_again_when_the_solve_fails(self) -> None:
         obj = sleeve.scene()
         sleeve.play(1, 4)
-        with mock.patch.object(solve, "_process", side_effect=UserError("on purpose")):
+        with mock.patch.object(solve, "_read", side_effect=UserError("on purpose")):
             sleeve.at(5)
         self.assertEqual(runtimes.message(obj), "on purpose")
         self.assertFalse(is_coarse(obj))

@@ -147,7 +147,7 @@ class Words(unittest.TestCase):
             bpy.ops.object.rumple_add(method=method)
             sleeve.at(2)
             shown = sleeve.shown(obj)
-            with mock.patch.object(engine.Wrinkles, "solve_frame", side_effect=MemoryError("not enough")):
+            with mock.patch.object(engine.Wrinkles, "finish_frame", side_effect=MemoryError("not enough")):
                 sleeve.at(3)
                 self.assertEqual(obj.rumple.message,
                                  "Sleeve: there is not enough memory: choose longer folds, or lower Memory Limit")

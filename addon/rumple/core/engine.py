@@ -3,10 +3,11 @@
 result of a frame does not depend on the order of frames. Never imports bpy."""
 from __future__ import annotations
 
+import contextlib
 import functools
 import time
 from dataclasses import replace
-from typing import Any, Callable
+from typing import Any, Callable, Iterator
 
 import numpy as np
 
@@ -20,6 +21,7 @@ from .clip_labels import ClipLabels
 from .cloth import ClothFrame, suggested_follow
 from .digests import digest_of_paint, digest_of_settings
 from .fold_guides import GUIDES
+from .found_frame import FoundFrame
 from .frame_cache import CachedFrame, FrameCache, chain_of
 from .frame_input import FrameInput, FrameRequest
 from .frame_result import FrameResult, PreviewFrame
@@ -80,30 +82,47 @@ class Wrinkles(SystemSteps):
         PreviewFrame is enough. body: the cloth stays outside of it. surroundings: wind and force fields for swinging
         cloth. in_viewport: return the result of the mesh `in_viewport`, if there is one. Raises UserError.
         """
-        in_viewport, positions = in_viewport and self.in_viewport is not None, self.base.points(positions)
-        if self.base.rigid is not None and settings.base_cloth != "OFF":
+        return self.finish_frame(self.find_frame(FrameRequest(
+            frame, positions, settings, paint, start, world_from_object, frame_rate, following, for_preview, body,
+            surroundings, in_viewport)))
+
+    def find_frame(self, request: FrameRequest) -> FoundFrame:
+        """Look a frame up, the first half of solve_frame(). Raises UserError."""
+        began = time.perf_counter()
+        positions, body = self.base.points(request.positions), request.body
+        if self.base.rigid is not None and request.settings.base_cloth != "OFF":
             body = self.base.rigid.skin.joined(positions, body)
-        request = FrameRequest(frame, positions, settings, paint, start, world_from_object, frame_rate, following,
-                               for_preview, body, surroundings, in_viewport)
+        request = replace(request, positions=positions, body=body,
+                          in_viewport=request.in_viewport and self.in_viewport is not None)
+        with self._refusing(request.frame):
+            return self._find(request, self._take_inputs(request), self._frame_input(request), began)
+
+    def finish_frame(self, found: FoundFrame) -> FrameResult | PreviewFrame:
+        """The result of a frame that was looked up last, the second half of solve_frame(). Any thread may call it.
+        Raises UserError."""
+        with self._refusing(found.request.frame):
+            return self._finish(found)
+
+    @contextlib.contextmanager
+    def _refusing(self, frame: float) -> Iterator[None]:
         try:
-            return self._solve_frame(request)
+            yield
         except ValueError as error:
             self.frame_cache.refuse(frame)
             raise wording.user_error(self.name, error) from error
 
-    def _solve_frame(self, request: FrameRequest) -> FrameResult | PreviewFrame:
-        settings_digest = self._take_inputs(request)
-        frame_input = self._frame_input(request)
-        began = time.perf_counter()
-        cached, replayed, pose = self._find_or_solve(request, settings_digest, frame_input)
+    def _finish(self, found: FoundFrame) -> FrameResult | PreviewFrame:
+        request, began = found.request, time.perf_counter()
+        cached, pose = (found.cached, None) if found.cached is not None else self._solve_and_store(found)
+        replayed = found.cached is not None
         if request.for_preview and cached.waits:
             return PreviewFrame(replayed=replayed)
         solved = time.perf_counter()
         make = functools.partial(self._result_of, request, cached, pose,
-                                 replace(frame_input, cloth=cloth_of(cached.state)))
+                                 replace(found.frame_input, cloth=cloth_of(cached.state)))
         is_kept = replayed and not request.for_preview
         result = self.frame_cache.picture(cached, request.in_viewport, make) if is_kept else make()
-        spent = dict(solve=1e3 * (solved - began), show=1e3 * (time.perf_counter() - solved))
+        spent = dict(solve=1e3 * (found.seconds + solved - began), show=1e3 * (time.perf_counter() - solved))
         return replace(result, report=cached.report, replayed=replayed, milliseconds=spent,
                        unplayed=request.settings.swings and not cached.final)
 
@@ -121,30 +140,35 @@ class Wrinkles(SystemSteps):
                           surroundings=request.surroundings if settings.swings else Surroundings(),
                           in_viewport=request.in_viewport)
 
-    def _find_or_solve(self, request: FrameRequest, settings_digest: bytes,
-                       frame_input: FrameInput) -> tuple[CachedFrame, bool, Pose | None]:
-        """The cache entry of a frame, which is solved and stored if necessary; whether it was stored before; and the
-        pose, if it was solved now."""
+    def _find(self, request: FrameRequest, settings_digest: bytes, frame_input: FrameInput, began: float) -> FoundFrame:
+        """began: when looking it up began, by time.perf_counter()."""
         settings, frame = request.settings, request.frame
         input_digest = frame_input.digest(settings_digest, settings.swings)
         begins = settings.stateless or frame <= request.start
         before = None if begins else self.frame_cache.before(frame)
         final = begins or (before is not None and before.final)
         cached = self.frame_cache.find(frame, input_digest, final, before)
-        if cached is not None:
-            return cached, True, None
-        chain = chain_of(input_digest, before)
-        same_settings, pose = before is not None and before.settings_digest == settings_digest, None
-        if request.for_preview and before is not None and self._may_wait(settings, frame_input):
+        may_wait = (cached is None and request.for_preview and before is not None
+                    and self._may_wait(settings, frame_input))
+        return FoundFrame(request, frame_input, settings_digest, input_digest, before, final, may_wait, cached,
+                          time.perf_counter() - began)
+
+    def _solve_and_store(self, found: FoundFrame) -> tuple[CachedFrame, Pose | None]:
+        """The new cache entry of a frame, and the pose if it was solved and does not wait."""
+        settings, before, frame_input = found.request.settings, found.before, found.frame_input
+        chain = chain_of(found.input_digest, before)
+        same_settings = before is not None and before.settings_digest == found.settings_digest
+        pose = None
+        if before is not None and found.may_wait:
             kept = replace(frame_input, animated=frame_input.animated.copy())
-            cached = CachedFrame.waiting(before, input_digest, settings_digest, final, lambda state: self._solve_over(
-                settings, state, same_settings, kept)[:2], chain)
+            cached = CachedFrame.waiting(before, found.input_digest, found.settings_digest, found.final, lambda state:
+                                         self._solve_over(settings, state, same_settings, kept)[:2], chain)
         else:
             state, report, pose = self._solve_over(settings, before.state if before is not None else None,
                                                    same_settings, frame_input)
-            cached = CachedFrame.of(state, input_digest, settings_digest, final, report, chain)
-        self.frame_cache.put(frame, cached)
-        return cached, False, pose
+            cached = CachedFrame.of(state, found.input_digest, found.settings_digest, found.final, report, chain)
+        self.frame_cache.put(found.request.frame, cached)
+        return cached, pose
 
     def _result_of(self, request: FrameRequest, cached: CachedFrame, pose: Pose | None,
                    frame_input: FrameInput) -> FrameResult | PreviewFrame:

@@ -22,13 +22,13 @@ class FrameRequest:
     settings: SystemSettings
     paint: dict[str, np.ndarray]  # values per vertex of the artist's mesh, by name
     start: int  # first frame of the clip; it needs no frame before it
-    world_from_object: np.ndarray | None  # (3, 3)
-    frame_rate: float  # frames a second
-    following: tuple[float, np.ndarray] | None  # the next frame and its positions, if they are known
-    for_preview: bool  # a PreviewFrame is enough
-    body: Body | None  # the cloth stays outside of it
-    surroundings: Surroundings  # wind and force fields for swinging cloth
-    in_viewport: bool  # the result is for the mesh of viewports
+    world_from_object: np.ndarray | None = None  # (3, 3)
+    frame_rate: float = 24.0  # frames a second
+    following: tuple[float, np.ndarray] | None = None  # the next frame and its positions, if they are known
+    for_preview: bool = False  # a PreviewFrame is enough
+    body: Body | None = None  # the cloth stays outside of it
+    surroundings: Surroundings = Surroundings()  # wind and force fields for swinging cloth
+    in_viewport: bool = False  # the result is for the mesh of viewports, if there is one
 
 
 @dataclass(frozen=True)

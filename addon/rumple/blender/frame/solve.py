@@ -8,8 +8,6 @@ baked objects.
 """
 from __future__ import annotations
 
-import time
-
 import bpy
 import numpy as np
 
@@ -21,7 +19,8 @@ from ..objects import (bodies, evaluator, incoming_mesh, mesh_reader, messages, 
 from ..objects.runtimes import Inputs, Runtime
 from ..scheduler import LOCK
 from ..viewport import preview
-from . import clip_status, disk_frames, first_pass, path_curves
+from . import clip_status, disk_frames, first_pass, garment_frame
+from .garment_frame import GarmentFrame, request_of
 
 
 TWO_SCENES = "Two windows show this object in two scenes: both have the folds of the one that changed last"
@@ -39,9 +38,13 @@ def process(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
             _rebuild_here(objects, depsgraph)
         outputs_seen: set[int] = set()
         differing = viewport_mesh.may_differ(objects)
-        written = [obj for obj, nodes_mod in objects
-                   if obj not in late and _process_guarded(obj, nodes_mod, scene, depsgraph, outputs_seen,
-                                                           obj in differing)]
+        written: list[bpy.types.Object] = []
+        for level in bodies.in_levels([pair for pair in objects if pair[0] not in late]):
+            read = [_read_guarded(obj, nodes_mod, scene, depsgraph, outputs_seen, obj in differing)
+                    for obj, nodes_mod in level]
+            frames = [frame for frame in read if frame is not None]
+            garment_frame.solve_all(frames)
+            written += [frame.obj for frame in frames if frame.show()]
         for obj, _ours in objects:
             runtimes.of(obj).pose = None  # valid only in this call
             _note_seconds(runtimes.of(obj), evaluated)
@@ -113,33 +116,33 @@ def _posed(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> np.ndarray 
     return mesh_reader.plain_positions(evaluated, count) if found is None else found
 
 
-def _process_guarded(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier, scene: bpy.types.Scene,
-                     depsgraph: bpy.types.Depsgraph, outputs_seen: set[int], may_differ: bool) -> bool:
-    """Returns whether an output object was written. may_differ: whether viewports may show other points than
+def _read_guarded(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier, scene: bpy.types.Scene,
+                  depsgraph: bpy.types.Depsgraph, outputs_seen: set[int], may_differ: bool) -> GarmentFrame | None:
+    """What is to be solved; None if there is nothing. may_differ: whether viewports may show other points than
     renders."""
     runtime = runtimes.of(obj)
     with messages.frame_errors(obj, runtime):
         output_obj = modifier.output_object(nodes_mod)
         if output_obj is None or output_obj.type != "MESH":
             scheduler.request()
-            return False
+            return None
         keys = {compat.session_key(output) for output in modifier.outputs(nodes_mod)}
         if keys & outputs_seen or not all(compat.is_editable(o) and compat.is_editable(o.data)
                                           for o in modifier.outputs(nodes_mod)):
             scheduler.request()  # linked, or a duplicate that still shares its output: writing would have no effect
-            return False
+            return None
         outputs_seen |= keys
         if scheduler.may_prepare_frame():
             viewport_mesh.show_in_viewports(nodes_mod, may_differ)
-        return _process(obj, nodes_mod, output_obj, runtime, scene, depsgraph)
-    return False
+        return _read(obj, nodes_mod, output_obj, runtime, scene, depsgraph)
+    return None
 
 
-def _process(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier, output_obj: bpy.types.Object, runtime: Runtime,
-             scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> bool:
+def _read(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier, output_obj: bpy.types.Object, runtime: Runtime,
+          scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> GarmentFrame | None:
     evaluated = obj.evaluated_get(depsgraph)
     if not evaluated.is_evaluated or mesh_reader.is_busy(obj) or visibility.is_skipped(obj, depsgraph):
-        return False
+        return None
     if depsgraph.mode == "VIEWPORT":
         evaluator.note_scale(obj, runtime)
     clip_fault = ""
@@ -147,20 +150,20 @@ def _process(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier, output_o
         clip_fault, is_played = _play_clip(obj, nodes_mod, output_obj, runtime, depsgraph,
                                            float(scene.frame_current_final))
         if is_played:
-            return False
+            return None
     if runtime.evaluator is None:
         evaluator.ensure(obj, runtime)
     if not _fits(nodes_mod, runtime):
         runtime.stale = True
         scheduler.request()
-        return False
+        return None
     inputs = _inputs(obj, nodes_mod, runtime, evaluated, scene, depsgraph)
     if inputs is None:
-        return False
+        return None
     if runtime.analyzing:
         runtime.analyzed = inputs
         messages.set_frame_error(runtime, "")
-        return False
+        return None
     shown = modifier.viewport_output(nodes_mod) if inputs.in_viewport else output_obj
     if depsgraph.mode == "VIEWPORT" and not bpy.app.background:
         fine = runtime.evaluator.in_viewport if inputs.in_viewport else runtime.evaluator
@@ -168,11 +171,15 @@ def _process(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier, output_o
     if inputs.same_as(runtime.inputs) and runtime.output_key == compat.session_key(shown.data):
         messages.set_frame_error(runtime, clip_fault)  # clear a message of another state
         messages.note_unplayed(runtime, runtime.unplayed, depsgraph.mode == "RENDER")
-        return False
+        return None
     if depsgraph.mode == "VIEWPORT" and _gave_way(runtime, inputs, scene):
         messages.note_unplayed(runtime, TWO_SCENES, rendering=False)
-        return False
-    return _solve_and_show(obj, nodes_mod, shown, runtime, inputs, scene, depsgraph.mode, clip_fault)
+        return None
+    disk_frames.follow(obj, runtime)
+    first = units.first_frame(obj, scene)
+    runtime.evaluator.settings_are_keyed = properties.are_keyed(obj)
+    found = runtime.evaluator.find_frame(request_of(inputs, first, inputs.uses_proxy, inputs.in_viewport))
+    return GarmentFrame(obj, nodes_mod, shown, runtime, inputs, scene, depsgraph.mode, clip_fault, first, found)
 
 
 def _gave_way(runtime: Runtime, inputs: Inputs, scene: bpy.types.Scene) -> bool:
@@ -208,39 +215,6 @@ def _play_clip(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier, output
     return fault, not can_solve
 
 
-def _solve_and_show(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier, shown: bpy.types.Object,
-                    runtime: Runtime, inputs: Inputs, scene: bpy.types.Scene, mode: str, clip_fault: str) -> bool:
-    """Returns whether an output object, `shown`, was written."""
-    disk_frames.follow(obj, runtime)
-    first = units.first_frame(obj, scene)
-    runtime.evaluator.settings_are_keyed = properties.are_keyed(obj)
-    began = time.perf_counter()
-    result = _solve(runtime, inputs, first, inputs.uses_proxy, inputs.in_viewport)
-    if isinstance(result, engine.FrameResult) and not result.replayed:
-        runtime.solving = time.perf_counter() - began
-    runtime.inputs = inputs
-    messages.set_frame_error(runtime, clip_fault)
-    unplayed = runtime.evaluator.unplayed_message(inputs.frame, first) if result.unplayed else ""
-    messages.note_unplayed(runtime, unplayed, mode == "RENDER")
-    if not first_pass.is_shown(nodes_mod):
-        runtime.result = result
-        return False
-    if runtime.evaluator.HAS_CURVES:
-        path_curves.write(obj, runtime)
-    written = _show(shown, runtime, result, mode == "VIEWPORT")
-    if written:
-        runtime.written_at = compat.session_key(scene), inputs.frame
-    return written
-
-
-def _solve(runtime: Runtime, inputs: Inputs, first_frame: int, for_preview: bool,
-           in_viewport: bool) -> engine.FrameResult | engine.PreviewFrame:
-    return runtime.evaluator.solve_frame(inputs.frame, inputs.positions, inputs.settings, inputs.paint,
-                                         start=first_frame, world_from_object=inputs.world_from_object,
-                                         frame_rate=inputs.frame_rate, for_preview=for_preview, body=inputs.body,
-                                         surroundings=inputs.surroundings, in_viewport=in_viewport)
-
-
 def show_fine_meshes() -> None:
     """Called before a file is saved, because without the add-on it shows the saved output meshes. Viewports get their
     own meshes back."""
@@ -256,8 +230,9 @@ def show_fine_meshes() -> None:
                                                             or not first_pass.is_shown(nodes_mod)):
                 continue
             try:
-                result = _solve(runtime, inputs, units.first_frame(obj, units.scene_of(obj)), for_preview=False,
-                                in_viewport=False)
+                first = units.first_frame(obj, units.scene_of(obj))
+                result = runtime.evaluator.finish_frame(runtime.evaluator.find_frame(request_of(
+                    inputs, first, for_preview=False, in_viewport=False)))
                 assert isinstance(result, engine.FrameResult)
                 output_mesh.write_result(output_obj.data, result, runtime.evaluator.ATTRIBUTES)
                 set_flag(output_obj, Flag.COARSE_ONLY, False)  # a running bake sets it again
@@ -356,26 +331,3 @@ def _follow_topology(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier, 
     if edited or (changer is not None and arriving != own):  # otherwise this frame was just evaluated
         runtime.stale, runtime.tried = True, arriving
         scheduler.request()
-
-
-def _show(output_obj: bpy.types.Object, runtime: Runtime, result: engine.FrameResult | engine.PreviewFrame,
-          in_viewport: bool) -> bool:
-    """Write the result, unless it is already written, because a write tags the mesh and costs another evaluation."""
-    key = compat.session_key(output_obj.data)
-    shows_coarse = runtime.inputs is not None and runtime.inputs.shows_coarse
-    last, showed_coarse = runtime.result, runtime.shows_coarse
-    runtime.result, runtime.shows_coarse = result, shows_coarse
-    if isinstance(result, engine.PreviewFrame) and result.proxy_offset is None:
-        runtime.output_key = key  # nobody reads its attributes, so they are not updated
-        return False
-    if (last is not None and runtime.output_key == key and showed_coarse == shows_coarse
-            and last.shows_the_same(result)):
-        return False
-    if isinstance(result, engine.PreviewFrame):
-        output_mesh.write_proxy(output_obj.data, result.proxy_offset)
-    else:
-        output_mesh.write_result(output_obj.data, result, runtime.evaluator.ATTRIBUTES)
-        if in_viewport:
-            output_mesh.write_proxy(output_obj.data, np.zeros((0, 3), np.float32) if shows_coarse else None)
-    runtime.output_key = key
-    return True

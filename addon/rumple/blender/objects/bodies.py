@@ -100,20 +100,35 @@ def _leads_to(body: bpy.types.Object, garment: bpy.types.Object) -> bool:
 
 def in_order(wrinkled: list[Wrinkled]) -> list[Wrinkled]:
     """The same objects, each one after those that it is worn over, otherwise in the same order."""
-    waiting, ordered = {obj: nodes_mod for obj, nodes_mod in wrinkled}, []
+    modifiers = dict(wrinkled)
+    return [(obj, modifiers[obj]) for obj in _levels(wrinkled)]
 
-    def take(obj: bpy.types.Object) -> None:
-        nodes_mod = waiting.pop(obj, None)
-        if nodes_mod is None:
-            return
-        if not refusal(obj):
-            for body in of(obj):
-                take(body)
-        ordered.append((obj, nodes_mod))
+
+def in_levels(wrinkled: list[Wrinkled]) -> list[list[Wrinkled]]:
+    """The same objects in groups, each one worn over objects of earlier groups only. In a group the order is that of
+    in_order()."""
+    modifiers, levels = dict(wrinkled), _levels(wrinkled)
+    groups: list[list[Wrinkled]] = [[] for _ in range(1 + max(levels.values(), default=-1))]
+    for obj, level in levels.items():
+        groups[level].append((obj, modifiers[obj]))
+    return groups
+
+
+def _levels(wrinkled: list[Wrinkled]) -> dict[bpy.types.Object, int]:
+    """0 for an object that is worn over none of the others, else one more than the highest of those under it. Each
+    object comes after those that it is worn over."""
+    waiting, levels = {obj for obj, _ours in wrinkled}, {}
+
+    def take(obj: bpy.types.Object) -> int:
+        if obj in waiting:
+            waiting.remove(obj)
+            under = [] if refusal(obj) else of(obj)
+            levels[obj] = 1 + max((take(body) for body in under), default=-1)
+        return levels.get(obj, -1)
 
     for obj, _ours in wrinkled:
         take(obj)
-    return ordered
+    return levels
 
 
 def all_under(obj: bpy.types.Object) -> set[bpy.types.Object]:
