@@ -6,7 +6,7 @@ import unittest
 
 import bpy
 import numpy as np
-from rumple.blender.objects import properties
+from rumple.blender.objects import properties, runtimes
 from rumple.core.presets import MESH_PRESETS
 from support import sleeve
 
@@ -66,6 +66,26 @@ class Presets(unittest.TestCase):
             paper = preset == "PAPER"
             self.assertEqual((settings.layers, settings.display_steps), ("ONE", 0) if paper else ("CLOTH", 2), preset)
         self.assertEqual(properties.settings_of(obj, bpy.context.scene), before)
+
+    def test_stretch_stays_on_the_body_and_the_next_preset_brings_back_the_room(self) -> None:
+        obj = sleeve.scene()
+        settings = obj.rumple.mesh
+        bpy.context.scene.unit_settings.scale_length = 0.01  # lengths of presets are in metres
+        settings.room, settings.slide_room = 2.5, 12.0
+        bpy.ops.object.rumple_preset(preset="COTTON")
+        before, farthest = properties.settings_of(obj, bpy.context.scene), [self.farthest(obj)]
+        for preset in ("STRETCH", "STRETCH", "SILK", "COTTON"):
+            bpy.ops.object.rumple_preset(preset=preset)
+            is_tight = preset == "STRETCH"
+            self.assertAlmostEqual(settings.room, 0.8 if is_tight else 2.5, 5, preset)
+            self.assertAlmostEqual(settings.slide_room, 2.0 if is_tight else 12.0, 5, preset)
+            farthest.append(self.farthest(obj))
+        self.assertEqual(properties.settings_of(obj, bpy.context.scene), before)
+        self.assertLess(farthest[1], 0.5 * farthest[0])
+
+    def farthest(self, obj: bpy.types.Object) -> float:
+        sleeve.at(15)
+        return float(np.linalg.norm(runtimes.of(obj).result.offset, axis=1).max())
 
     def test_presets_of_a_file_from_before_fabrics_had_weights_are_taken_back(self) -> None:
         for preset, width in (("DENIM", 2.0), ("LEATHER", 2.0), ("SILK", 1.0), ("PAPER", 1.0)):

@@ -39,5 +39,6 @@ FABRICS = {
     "SILK": Fabric(mass=0.069, rigidity=3e-6, slack=1.035),
     "WOOL": Fabric(mass=0.4, rigidity=80e-6, slack=1.025),
     "DENIM": Fabric(mass=0.324, rigidity=80e-6, slack=1.03),
+    "STRETCH": Fabric(mass=0.204, rigidity=56e-6, slack=0.95),
     "LEATHER": Fabric(mass=0.6, rigidity=377e-6, slack=1.03),
 }

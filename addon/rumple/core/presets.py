@@ -6,7 +6,7 @@ other setting. Never imports bpy.
 """
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 from .fabrics import FABRICS
@@ -53,6 +53,12 @@ MESH_PRESETS = {
                        dict(bending=1.0, compression_limit=1.25), old_fold_width=2.0),
     "LEATHER": of_fabric(2, "Leather", "Stiff: few wide rolls, nothing fine", "LEATHER",
                          dict(bending=1.0, stretch_relief=0.6, compression_limit=1.2), old_fold_width=2.0),
+    "STRETCH": replace(of_fabric(
+        8, "Stretch", "Elastic and worn stretched, so it stays smooth on the body: leggings, sportswear, swimwear.\n"
+        "Slack below 1: it is cut narrower than the body, so only strong compression folds it, as in an armpit.\n"
+        "Room and Slide are short. The next fabric restores them", "STRETCH",
+        dict(bending=0.5, stretch_relief=1.0, compression_limit=1.2)),
+        replaced=dict(room=0.008, slide_room=0.02)),
     "SKIN": Preset(4, "Bare Skin", "Low creases that never leave the body", dict(
         bending=0.3, radius=0.35, inside=0.8, prestretch=0.99, stretch_relief=1.0, compression_limit=1.15,
         slack=1.0)),
