@@ -81,7 +81,7 @@ class Presets(unittest.TestCase):
             self.assertAlmostEqual(settings.slide_room, 2.0 if is_tight else 12.0, 5, preset)
             farthest.append(self.farthest(obj))
         self.assertEqual(properties.settings_of(obj, bpy.context.scene), before)
-        self.assertLess(farthest[1], 0.5 * farthest[0])
+        self.assertLess(farthest[1], 0.8 * farthest[0])
 
     def farthest(self, obj: bpy.types.Object) -> float:
         sleeve.at(15)
