@@ -58,14 +58,14 @@ TEST(FlatTriangles, MetricAndRotationOfAMap) {
     EXPECT_NEAR(c.xx, 4.0f, 1e-6f);
     EXPECT_NEAR(c.xy, 1.0f, 1e-6f);
     EXPECT_NEAR(c.yy, 9.25f, 1e-6f);
-    const Vec2 turn = rotation(kRight, to);
+    const Vec2 turn(rotation(kRight, to));
     EXPECT_NEAR(turn.y / turn.x, -0.1f, 1e-6f);
     for (const FlatTriangle& t : {to, FlatTriangle{0.0313f, -0.0117f, 0.0271f}, FlatTriangle{}}) {
         const Tensor2 same = metric(t, t);
         EXPECT_EQ(same.xx, 1.0f);
         EXPECT_EQ(same.xy, 0.0f);
         EXPECT_EQ(same.yy, 1.0f);
-        EXPECT_EQ(rotation(t, t), Vec2(1.0f, 0.0f));
+        EXPECT_EQ(rotation(t, t), glm::dvec2(1.0, 0.0));
     }
     EXPECT_EQ(metric(FlatTriangle{}, to).xx, 1.0f);
     EXPECT_EQ(metric(to, FlatTriangle{}).yy, 1.0f);

@@ -97,10 +97,10 @@ Tensor2 metric(const FlatTriangle& from, const FlatTriangle& to) {
     return {float(f.xx * f.xx), float(f.xx * f.xy), float(f.xy * f.xy + f.yy * f.yy)};
 }
 
-Vec2 rotation(const FlatTriangle& from, const FlatTriangle& to) {
-    if (!from.has_area() || !to.has_area()) return {1.0f, 0.0f};
+dvec2 rotation(const FlatTriangle& from, const FlatTriangle& to) {
+    if (!from.has_area() || !to.has_area()) return {1.0, 0.0};
     const Gradient f = gradient(from, to);
-    return Vec2(glm::normalize(dvec2(f.xx + f.yy, -f.xy)));
+    return glm::normalize(dvec2(f.xx + f.yy, -f.xy));
 }
 
 FlatTriangle relaxed(const FlatTriangle& reference, const FlatTriangle& current, float fraction) {

@@ -48,8 +48,9 @@ Stretch measure_stretch(const FlatTriangle& reference, const FlatTriangle& curre
 // shapes are equal. It is also the identity if one has no area, because then nothing is known.
 Tensor2 metric(const FlatTriangle& from, const FlatTriangle& to);
 
-// (cos, sin) of the rotation R in F = R U. Both shapes have u1 along x, so a shear still contains a rotation.
-Vec2 rotation(const FlatTriangle& from, const FlatTriangle& to);
+// (cos, sin) of the rotation R in F = R U (polar decomposition); none if one shape has no area. Both shapes
+// have u1 along x, so a shear still contains a rotation.
+glm::dvec2 rotation(const FlatTriangle& from, const FlatTriangle& to);
 
 // The reference of a compressed triangle after its eigenvalues have moved towards 1 by `fraction` (section
 // 4.2): Sigma' = (1 - fraction) Sigma + fraction I, and [u1', u2'] = B Sigma'^-1 A^T [u1, u2].

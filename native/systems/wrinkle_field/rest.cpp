@@ -13,7 +13,7 @@ namespace {
 // along x. Rotated back by the rotation between rest and reference, it is the stretched rest frame.
 Tensor2 strain(const FlatTriangle& rest, const FlatTriangle& reference, const FlatTriangle& now) {
     const Tensor2 c = metric(reference, now);
-    const Vec2 turn = rotation(rest, reference);
+    const Vec2 turn(rotation(rest, reference));
     return rotated({c.xx - 1.0f, c.xy, c.yy - 1.0f}, {turn.x, -turn.y});
 }
 

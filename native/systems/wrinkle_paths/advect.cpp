@@ -71,14 +71,8 @@ dvec3 edge_vector(const Model& model, const std::vector<Vec3>& positions, const 
 // The rotation of a triangle between two poses: the rotation of its deformation (polar decomposition). So a
 // pure compression, which turns every edge, gives no rotation.
 glm::dmat3 turn_of(const Pose& before, const Pose& now, Index t) {
-    const FlatTriangle& a = before.shapes[t];
-    const FlatTriangle& b = now.shapes[t];
-    double angle = 0.0;
-    if (a.has_area() && b.has_area()) {
-        const double f00 = double(b.x1) / a.x1, f01 = (b.x2 - f00 * a.x2) / a.y2, f11 = double(b.y2) / a.y2;
-        angle = elementary::atan2(-f01, f00 + f11);
-    }
-    const double c = elementary::cos(angle), s = elementary::sin(angle);
+    const glm::dvec2 turn = rotation(before.shapes[t], now.shapes[t]);
+    const double c = turn.x, s = turn.y;
     const auto frame = [](const TriangleFrame& f) { return glm::dmat3(f.tangent, f.bitangent, f.normal); };
     return frame(now.frames[t]) * glm::dmat3(c, s, 0, -s, c, 0, 0, 0, 1) *
            glm::transpose(frame(before.frames[t]));
