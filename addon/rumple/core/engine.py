@@ -71,20 +71,19 @@ class Wrinkles(SystemSteps):
     # --- frames
     def solve_frame(self, frame: float, positions: np.ndarray, settings: Any, paint: dict[str, np.ndarray], *,
                     start: int, world_from_object: np.ndarray | None = None, frame_rate: float = 24.0,
-                    following: tuple[float, np.ndarray] | None = None, for_preview: bool = False,
-                    body: Body | None = None, surroundings: Surroundings = Surroundings(),
+                    for_preview: bool = False, body: Body | None = None,
+                    surroundings: Surroundings = Surroundings(),
                     in_viewport: bool = False) -> FrameResult | PreviewFrame:
         """The result of a frame. It is replayed if it is stored for the same input, otherwise solved and stored.
 
         positions: (n, 3) float32, deformed base, object space. paint: values per base vertex, by name.
-        start: first frame of the clip; it needs no frame before it. frame_rate: frames a second. following: number and
-        positions of the next frame, if they are known, because adaptive rest shapes look ahead. for_preview: a
+        start: first frame of the clip; it needs no frame before it. frame_rate: frames a second. for_preview: a
         PreviewFrame is enough. body: the cloth stays outside of it. surroundings: wind and force fields for swinging
         cloth. in_viewport: return the result of the mesh `in_viewport`, if there is one. Raises UserError.
         """
         return self.finish_frame(self.find_frame(FrameRequest(
-            frame, positions, settings, paint, start, world_from_object, frame_rate, following, for_preview, body,
-            surroundings, in_viewport)))
+            frame, positions, settings, paint, start, world_from_object, frame_rate, for_preview, body, surroundings,
+            in_viewport)))
 
     def find_frame(self, request: FrameRequest) -> FoundFrame:
         """Look a frame up, the first half of solve_frame(). Raises UserError."""
@@ -129,14 +128,12 @@ class Wrinkles(SystemSteps):
     def _frame_input(self, request: FrameRequest) -> FrameInput:
         """The parts of the request that the result depends on."""
         settings, rate = request.settings, request.frame_rate
-        matrix, labels, following = None, None, None
+        matrix = labels = None
         if request.world_from_object is not None and (self._reads_world(settings) or settings.base_cloth != "OFF"):
             matrix = np.ascontiguousarray(request.world_from_object, np.float32)
         if request.body is None:
             labels = self._clip_labels.at(request.frame, request.positions)
-            following = request.following if settings.sees_ahead and labels is None else None
-        coming = (0.0, None) if following is None else (following[0] / rate, self.base.points(following[1]))
-        return FrameInput(request.frame, request.frame / rate, matrix, request.positions, labels, *coming, request.body,
+        return FrameInput(request.frame, request.frame / rate, matrix, request.positions, labels, request.body,
                           surroundings=request.surroundings if settings.swings else Surroundings(),
                           in_viewport=request.in_viewport)
 

@@ -24,7 +24,6 @@ class FrameRequest:
     start: int  # first frame of the clip; it needs no frame before it
     world_from_object: np.ndarray | None = None  # (3, 3)
     frame_rate: float = 24.0  # frames a second
-    following: tuple[float, np.ndarray] | None = None  # the next frame and its positions, if they are known
     for_preview: bool = False  # a PreviewFrame is enough
     body: Body | None = None  # the cloth stays outside of it
     surroundings: Surroundings = Surroundings()  # wind and force fields for swinging cloth
@@ -40,20 +39,13 @@ class FrameInput:
     world_from_object: np.ndarray | None  # (3, 3) float32, where the system reads it
     animated: np.ndarray  # (n, 3) positions that the shown mesh is embedded in
     labels: np.ndarray | None = None  # (t,) uint8, computed for the whole clip: see Wrinkles.analyze_clip()
-    next_seconds: float = 0.0  # time of the next frame ...
-    next_positions: np.ndarray | None = None  # ... and its positions, if they are known
     body: Body | None = None  # what cloth stays outside of
     cloth: ClothFrame | None = None  # the base cloth that a system is solved over; None: over the animated mesh
     surroundings: Surroundings = Surroundings()  # if the system reads them
     in_viewport: bool = False  # the result is for Wrinkles.in_viewport
 
-    def in_time(self) -> tuple[float, np.ndarray | None, np.ndarray | None, float]:
-        """The arguments about time that native poses take."""
-        return self.seconds, self.labels, self.next_positions, self.next_seconds
-
     def digest(self, settings_digest: bytes, swings: bool) -> bytes:
         """A digest of this input. swings: the cloth swings, so the surroundings count."""
-        return digest_of(settings_digest, self.animated, self.world_from_object, self.labels, self.next_positions,
+        return digest_of(settings_digest, self.animated, self.world_from_object, self.labels,
                          *(self.body.arrays() if self.body else ()),
-                         *([self.surroundings.array()] if swings else ()),
-                         None if self.next_positions is None else np.array(self.next_seconds))
+                         *([self.surroundings.array()] if swings else ()))

@@ -119,7 +119,7 @@ class WrinkleField(Wrinkles):
             {name: np.ascontiguousarray(values, np.float32) for name, values in paint.items() if name != PROFILE})
 
     def _pose(self, positions: np.ndarray, frame_input: FrameInput) -> Any:
-        return kernels.WrinkleFieldPose.of(self.model, positions, *frame_input.in_time())
+        return kernels.WrinkleFieldPose.of(self.model, positions, frame_input.seconds, frame_input.labels)
 
     def _solve(self, settings: FieldSettings, pose: Any, before: Any, same_settings: bool,
                frame_input: FrameInput) -> tuple[Any, Any]:

@@ -341,7 +341,8 @@ class WrinkleMesh(Wrinkles):
     def _pose(self, positions: np.ndarray, frame_input: FrameInput) -> Any:
         if self.layer_count:
             return positions  # every layer makes its own pose from the layer before
-        return kernels.WrinkleMeshPose.of(self.model, positions, *frame_input.in_time(), frame_input.world_from_object)
+        return kernels.WrinkleMeshPose.of(self.model, positions, frame_input.seconds, frame_input.labels,
+                                          world_from_object=frame_input.world_from_object)
 
     def _solve(self, settings: MeshSettings, pose: Any, before: Any, same_settings: bool,
                frame_input: FrameInput) -> tuple[Any, Any]:

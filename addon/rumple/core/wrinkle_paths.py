@@ -114,7 +114,7 @@ class WrinklePaths(Wrinkles):
         return kernels.WrinklePathsPaint(self.model, factors)
 
     def _pose(self, positions: np.ndarray, frame_input: FrameInput) -> Any:
-        return kernels.WrinklePathsPose.of(self.model, positions, *frame_input.in_time())
+        return kernels.WrinklePathsPose.of(self.model, positions, frame_input.seconds, frame_input.labels)
 
     def _solve(self, settings: PathsSettings, pose: Any, before: Any, same_settings: bool,
                frame_input: FrameInput) -> tuple[Any, Any]:

@@ -307,11 +307,11 @@ class FramePose(Handle):
     BUILD = ""
 
     @classmethod
-    def of(cls, model: Any, positions: "np.ndarray | FramePose", *others: Any) -> Any:
-        """positions, others: arguments of pose(); or a pose, which is returned unchanged."""
+    def of(cls, model: Any, positions: "np.ndarray | FramePose", *others: Any, **named: Any) -> Any:
+        """positions, others, named: arguments of pose(); or a pose, which is returned unchanged."""
         if isinstance(positions, FramePose):
             return positions
-        return cls.made(getattr(lib, cls.BUILD), model, pose(positions, *others))
+        return cls.made(getattr(lib, cls.BUILD), model, pose(positions, *others, **named))
 
 
 class FrameState(Handle):

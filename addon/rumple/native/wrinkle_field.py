@@ -169,8 +169,8 @@ class WrinkleFieldPose(FramePose):
     BUILD = "rumple_wrinkle_field_pose_build"
 
     @classmethod
-    def of(cls, model: WrinkleFieldModel, positions: "np.ndarray | FramePose", *others: Any) -> Any:
-        made = super().of(model, positions, *others)
+    def of(cls, model: WrinkleFieldModel, positions: "np.ndarray | FramePose", *others: Any, **named: Any) -> Any:
+        made = super().of(model, positions, *others, **named)
         if made is not positions:
             made.solved = None
         return made

@@ -180,7 +180,7 @@ def solve_wrinkle_mesh(model: WrinkleMeshModel, settings: WrinkleMeshSettings, p
 
 def _in_world(model: WrinkleMeshModel, positions: np.ndarray | WrinkleMeshPose,
               world_from_object: np.ndarray | None) -> WrinkleMeshPose:
-    return WrinkleMeshPose.of(model, positions, 0.0, None, None, 0.0, world_from_object)
+    return WrinkleMeshPose.of(model, positions, world_from_object=world_from_object)
 
 
 def show_wrinkle_mesh(model: WrinkleMeshModel, settings: WrinkleMeshSettings,
