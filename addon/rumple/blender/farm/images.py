@@ -8,6 +8,7 @@ import bpy
 import numpy as np
 
 from ...core.clip_manifest import ClipFault
+from ..objects import saved_images
 
 SUFFIXES = {"PNG": ".png", "OPEN_EXR": ".exr"}  # 16 bits; 32-bit floats, ZIP without loss
 
@@ -19,23 +20,16 @@ def write(path: Path, picture: np.ndarray, kind: str) -> None:
     values = np.ones((height, width, 4), np.float32)
     values[..., :3] = picture[::-1]
     image = bpy.data.images.new("Rumple Texture", width, height, alpha=False, float_buffer=True)
-    # its settings define the format, so the artist's scene keeps its own settings
-    scene = bpy.data.scenes.new("Rumple Save")
     try:
         image.colorspace_settings.name = "Non-Color"
         image.pixels.foreach_set(values.ravel())
-        scene.view_settings.view_transform = "Raw"
-        settings = scene.render.image_settings
-        settings.file_format, settings.color_mode = kind, "RGB"
-        settings.color_depth = "16" if kind == "PNG" else "32"
-        settings.exr_codec = "ZIP"
-        try:
-            image.save_render(str(path), scene=scene)
-        except RuntimeError as error:
-            raise _not_written(path) from error
+        with saved_images.raw_scene(kind, "16" if kind == "PNG" else "32") as scene:
+            try:
+                image.save_render(str(path), scene=scene)
+            except RuntimeError as error:
+                raise _not_written(path) from error
     finally:
         bpy.data.images.remove(image)
-        bpy.data.scenes.remove(scene)
     if not _holds(path, values):
         raise _not_written(path)
 

@@ -17,6 +17,7 @@ from ...core.engine import UserError
 from ...core.poses import PoseComparison, PoseRig, SkinWeights
 from ...core.poses_json import from_json
 from ..nodes import maps_mask_tree, maps_shader
+from ..objects import saved_images
 from ..objects.clip_place import stored_path
 from ..translation import said
 from . import modifier as maps_modifier, operators as maps_operators, rig as maps_rig
@@ -45,15 +46,8 @@ def _file_name(image: bpy.types.Image) -> str:
 
 
 def _write_png(image: bpy.types.Image, path: Path, deep: bool) -> None:
-    # its settings define the format, so the artist's scene keeps its own settings
-    scene = bpy.data.scenes.new("Rumple Save")
-    try:
-        scene.view_settings.view_transform = "Raw"
-        settings = scene.render.image_settings
-        settings.file_format, settings.color_mode, settings.color_depth = "PNG", "RGB", "16" if deep else "8"
+    with saved_images.raw_scene("PNG", "16" if deep else "8") as scene:
         image.save_render(str(path), scene=scene)
-    finally:
-        bpy.data.scenes.remove(scene)
     if not path.is_file():
         raise OSError(f"{path} cannot be written")
 
