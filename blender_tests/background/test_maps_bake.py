@@ -9,12 +9,13 @@ import tempfile
 import time
 import unittest
 from pathlib import Path
-from typing import Iterator
+from typing import Callable, Iterator
 from unittest import mock
 
 import bpy
 import numpy as np
 from rumple.blender.maps import bake, bake_apart, export as maps_export
+from rumple.blender.objects import modifier
 from rumple.core import poses_json
 from rumple.core.engine import UserError
 from support import face, maps_renders
@@ -197,6 +198,23 @@ class Bake(unittest.TestCase):
             context.window_manager.event_timer_remove.assert_called_once_with(operator._timer)
             context.workspace.status_text_set.assert_called_with(None)
             self.assertTrue(operator.report.call_args.args[1].startswith(words), operator.report.call_args)
+
+    def test_whatever_goes_wrong_nothing_stays(self) -> None:
+        """Copies of the face stayed in the artist's scene, and the map that nothing was baked to."""
+        before, images, wrong = everything(), len(bpy.data.images), mock.Mock(side_effect=KeyError)
+        frozen, placed = bake.MapBake._frozen, modifier.place_behind_deforming
+        faults = ((modifier, "place_behind_deforming", [placed, wrong]),
+                  (bake.MapBake, "_frozen", [frozen, wrong]), (bake, "_flatten_strays", [wrong]))
+        for place, name, answers in faults:
+            with self.subTest(name):
+                running, left = bake.MapBake(bpy.context, self.obj, [0]), iter(answers)
+
+                def answer(*given: object, left: Iterator[Callable] = left) -> object:
+                    return next(left)(*given)
+                with mock.patch.object(place, name, answer), self.assertRaises(KeyError):
+                    list(running.steps())
+                running.close()
+                self.assertEqual((everything(), len(bpy.data.images)), (before, images))
 
     def test_without_uv_map_it_is_refused(self) -> None:
         self.obj.data.uv_layers.remove(self.obj.data.uv_layers[0])

@@ -8,7 +8,7 @@ in the artist's file.
 """
 from __future__ import annotations
 
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import Generator, Iterator
 
@@ -98,11 +98,11 @@ class MapBake:
     def _posed_copies(self, keys: dict[str, float]) -> Iterator[tuple[bpy.types.Object, bpy.types.Object, float]]:
         """The coarse and the wrinkled mesh in the current pose and with these values of shape keys, both without
         modifiers; and the height of the folds."""
-        low = high = None
-        coarse, wrinkled = self._plain_copy("low", keys), self._plain_copy("high", keys)
-        try:
+        with ExitStack() as ended:
+            coarse, wrinkled = (self._plain_copy(suffix, keys, ended) for suffix in ("low", "high"))
+            ended.callback(_remove_wrinkles, wrinkled)
             self._add_wrinkles(wrinkled)
-            low, high = (self._frozen(copy) for copy in (coarse, wrinkled))
+            low, high = (self._frozen(copy, ended) for copy in (coarse, wrinkled))
             # so that facets are not baked
             high.data.polygons.foreach_set("use_smooth", np.ones(len(high.data.polygons), bool))
             if "rumple_offset" not in high.data.attributes:
@@ -110,17 +110,12 @@ class MapBake:
                                 "pose: change the pose, or choose another source")
             offsets = compat.read_attribute(high.data.attributes["rumple_offset"])
             yield low, high, float(np.percentile(np.sqrt((offsets * offsets).sum(1)), HIGH_FOLDS))
-        finally:
-            if modifier.find(wrinkled) is not None:
-                rebuild.remove_all(wrinkled)
-            for copy in (coarse, wrinkled, low, high):
-                if copy is not None:
-                    _delete(copy)
 
-    def _plain_copy(self, suffix: str, keys: dict[str, float]) -> bpy.types.Object:
+    def _plain_copy(self, suffix: str, keys: dict[str, float], ended: ExitStack) -> bpy.types.Object:
         """A copy with only the deforming modifiers, in the artist's scene. Its animation and drivers stay active,
-        except for its shape keys, which keep the stored values."""
+        except for its shape keys, which keep the stored values. ended: deletes it."""
         copy = self.obj.copy()
+        ended.callback(_delete, copy)
         copy.data = self.obj.data.copy()
         if keys:
             maps_keys.freeze(copy.data, keys)
@@ -163,28 +158,33 @@ class MapBake:
         if untouched and not cloth_defaults.defaults(copy, scene):
             properties.apply_values(copy, scene, SKIN_OF_MAPS)
 
-    def _frozen(self, copy: bpy.types.Object) -> bpy.types.Object:
+    def _frozen(self, copy: bpy.types.Object, ended: ExitStack) -> bpy.types.Object:
         """A copy without modifiers, scaled to metres, because the baker's lengths are in the units of its own scene and
-        of the coarse mesh."""
+        of the coarse mesh. ended: deletes it."""
         depsgraph = self.context.evaluated_depsgraph_get()
         mesh = bpy.data.meshes.new_from_object(copy.evaluated_get(depsgraph), preserve_all_data_layers=True,
                                                depsgraph=depsgraph)
         metres = self.context.scene.unit_settings.scale_length
         mesh.transform(Matrix.Diagonal((*(metres * abs(scale) for scale in copy.matrix_world.to_scale()), 1.0)))
-        return bpy.data.objects.new(copy.name, mesh)
+        frozen = bpy.data.objects.new(copy.name, mesh)
+        ended.callback(_delete, frozen)
+        return frozen
 
     # --- the baker
     def _bake(self, pose: bpy.types.PropertyGroup, low: bpy.types.Object, high: bpy.types.Object,
               height: float) -> bpy.types.Image:
         settings, image = self.obj.rumple_maps, self._new_image(pose)
-        material = _show_only(low, image)
-        if settings.uv_map in low.data.uv_layers:
-            low.data.uv_layers[settings.uv_map].active_render = True
-        metres = units.metres_per_unit(self.obj, self.context.scene)
-        cage = (settings.bake_cage * self.context.scene.unit_settings.scale_length
-                or max(CAGE_OFFSETS * height * metres, 1e-6))
-        scene = bpy.data.scenes.new("Rumple Bake")
-        try:
+        with ExitStack() as failed, ExitStack() as ended:
+            failed.callback(bpy.data.images.remove, image)
+            material = _show_only(low, image)
+            ended.callback(bpy.data.materials.remove, material)
+            if settings.uv_map in low.data.uv_layers:
+                low.data.uv_layers[settings.uv_map].active_render = True
+            metres = units.metres_per_unit(self.obj, self.context.scene)
+            cage = (settings.bake_cage * self.context.scene.unit_settings.scale_length
+                    or max(CAGE_OFFSETS * height * metres, 1e-6))
+            scene = bpy.data.scenes.new("Rumple Bake")
+            ended.callback(bpy.data.scenes.remove, scene)
             for obj in (low, high):
                 scene.collection.objects.link(obj)
                 obj.rumple.method = "NONE"
@@ -194,16 +194,14 @@ class MapBake:
             layer.update()
             with self.context.temp_override(scene=scene, view_layer=layer, object=low, active_object=low,
                                             selected_objects=[low, high]):
-                bpy.ops.object.bake(type="NORMAL", normal_space="TANGENT", use_selected_to_active=True, use_clear=True,
-                                    cage_extrusion=cage, max_ray_distance=2.0 * cage, margin=settings.bake_margin,
-                                    target="IMAGE_TEXTURES", save_mode="INTERNAL")
-        except RuntimeError as error:
-            bpy.data.images.remove(image)
-            raise UserError(f"{self.obj.name}: pose {pose.name} cannot be baked: {error}") from error
-        finally:
-            bpy.data.scenes.remove(scene)
-            bpy.data.materials.remove(material)
-        _flatten_strays(image)
+                try:
+                    bpy.ops.object.bake(type="NORMAL", normal_space="TANGENT", use_selected_to_active=True,
+                                        use_clear=True, cage_extrusion=cage, max_ray_distance=2.0 * cage,
+                                        margin=settings.bake_margin, target="IMAGE_TEXTURES", save_mode="INTERNAL")
+                except RuntimeError as error:
+                    raise UserError(f"{self.obj.name}: pose {pose.name} cannot be baked: {error}") from error
+            _flatten_strays(image)
+            failed.pop_all()
         return image
 
     def _new_image(self, pose: bpy.types.PropertyGroup) -> bpy.types.Image:
@@ -253,6 +251,11 @@ def _flatten_strays(image: bpy.types.Image) -> None:
         texels[strays] = maps_shader.FLAT
         image.pixels.foreach_set(pixels)
         image.update()
+
+
+def _remove_wrinkles(obj: bpy.types.Object) -> None:
+    if modifier.find(obj) is not None:
+        rebuild.remove_all(obj)
 
 
 def _delete(obj: bpy.types.Object) -> None:
