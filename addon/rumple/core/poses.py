@@ -146,11 +146,13 @@ def _points(place: np.ndarray) -> dict[str, list[float]]:
 
 
 def _refuse_repeated(owner: str, what: str, names: list[str]) -> None:
-    for number, name in enumerate(names):
+    seen: set[str] = set()
+    for number, name in enumerate(names, 1):
         if not name:
-            raise UserError(f"{owner}: {what} {number + 1} has no name: give it one")
-        if name in names[:number]:
+            raise UserError(f"{owner}: {what} {number} has no name: give it one")
+        if name in seen:
             raise UserError(f"{owner}: two {what}s are called {name}: rename one")
+        seen.add(name)
 
 
 def _refuse_unknown(owner: str, what: str, value: str, known: tuple[str, ...]) -> None:
