@@ -84,6 +84,12 @@ class Places(Worn):
         circle.data.bevel_depth = 0.2
         self.assertFalse(clip_status.is_baked_from(before, self.obj, bpy.context.scene))
 
+    def test_the_mesh_of_a_curve_is_freed_whatever_goes_wrong(self) -> None:
+        curve, wrong = mock.Mock(type="CURVE"), mock.Mock(side_effect=KeyError)
+        with mock.patch.object(clip_status.mesh_reader, "basis_positions", wrong), self.assertRaises(KeyError):
+            clip_status._content(curve)
+        curve.to_mesh_clear.assert_called_once_with()
+
     def test_curves_without_faces_are_passed_over_in_a_collection(self) -> None:
         collection = bpy.data.collections.new("Bodies")
         bpy.context.scene.collection.children.link(collection)

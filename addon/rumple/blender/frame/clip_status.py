@@ -89,14 +89,20 @@ def _content_of_bodies(obj: bpy.types.Object) -> bytes:
 
 
 def _content(body: bpy.types.Object) -> bytes:
-    mesh = incoming_mesh.of(body) if body.type == "MESH" else body.to_mesh()
+    if body.type == "MESH":
+        return _content_of_mesh(incoming_mesh.of(body))
+    try:
+        return _content_of_mesh(body.to_mesh())
+    finally:
+        body.to_mesh_clear()
+
+
+def _content_of_mesh(mesh: bpy.types.Mesh | None) -> bytes:
     digest = hashlib.sha1()
     if mesh is not None:
         for array in (mesh_reader.basis_positions(mesh), compat.corner_vertices(mesh),
                       compat.indices(mesh.polygons, "loop_total")):
             digest.update(array.tobytes())
-    if body.type != "MESH":
-        body.to_mesh_clear()
     return digest.digest()
 
 
