@@ -25,10 +25,8 @@ void scale(std::vector<float>& values, const std::vector<float>& by) {
     for (size_t v = 0; v < values.size(); ++v) values[v] *= by[v];
 }
 
-using Part = std::vector<float> Paint::*;
-
 // Copies a painted factor of all layers to each layer.
-void spread(const Layers& model, const std::vector<float>& base_values, Part part,
+void spread(const Layers& model, const std::vector<float>& base_values, PaintedPart part,
             std::vector<Paint>& layers) {
     if (base_values.empty()) return;
     const std::vector<std::vector<float>> carried = carry_paint(model, base_values);
@@ -38,9 +36,7 @@ void spread(const Layers& model, const std::vector<float>& base_values, Part par
 std::vector<Paint> paint_of(const Layers& model, const rumple_wrinkle_layers_painted& from) {
     std::vector<Paint> layers(model.layers.size());
     const Paint all = mesh_painted(from.all, model.base);
-    for (const Part part :
-         {&Paint::radius, &Paint::prestretch, &Paint::bending, &Paint::inside, &Paint::worn})
-        spread(model, all.*part, part, layers);
+    for (const PaintedPart part : kPaintedParts) spread(model, all.*part, part, layers);
     layers[0].guide = all.guide;
     const auto strength = values(from.strength, from.strength_count, "strength");
     if (!strength.empty()) expect_rows("strength", strength.size(), layers.size());

@@ -205,9 +205,8 @@ rumple_status rumple_wrinkle_mesh_paint_build(const rumple_wrinkle_mesh* model,
     return made(paint, "paint", [&] {
         const Model& m = *given(model, "model").model;
         Paint carried = mesh_painted(given(painted, "painted"), m.base);
-        for (auto* values :
-             {&carried.radius, &carried.prestretch, &carried.bending, &carried.inside, &carried.worn}) {
-            if (!values->empty()) *values = carry_paint(m, *values);
+        for (const PaintedPart part : kPaintedParts) {
+            if (!(carried.*part).empty()) carried.*part = carry_paint(m, carried.*part);
         }
         return new rumple_wrinkle_mesh_paint{model->model, std::move(carried)};
     });

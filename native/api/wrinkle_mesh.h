@@ -7,6 +7,12 @@
 
 namespace rumple::api {
 
+// The painted factors of the base that are carried to a mesh: all but the guides.
+using PaintedPart = std::vector<float> wrinkle_mesh::Paint::*;
+inline constexpr PaintedPart kPaintedParts[] = {
+    &wrinkle_mesh::Paint::radius, &wrinkle_mesh::Paint::prestretch, &wrinkle_mesh::Paint::bending,
+    &wrinkle_mesh::Paint::inside, &wrinkle_mesh::Paint::worn};
+
 wrinkle_mesh::Settings mesh_settings(const rumple_wrinkle_mesh_settings* settings);
 wrinkle_mesh::Paint mesh_painted(const rumple_wrinkle_mesh_painted& painted, const Surface& base);
 rumple_wrinkle_mesh_view view_of(const wrinkle_mesh::Model& model);

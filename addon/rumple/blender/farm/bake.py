@@ -59,6 +59,7 @@ class FarmBake(clip.ClipBake):
     """A ClipBake that can be resumed."""
 
     behind_a_jump = False  # frames are only final if they were played from the clip's first frame
+    WRITER = PartialWriter
 
     def __init__(self, context: bpy.types.Context, obj: bpy.types.Object, digest: str, resume: bool,
                  checkpoint: float = CHECKPOINT) -> None:
@@ -83,7 +84,7 @@ class FarmBake(clip.ClipBake):
 
     def _make_writer(self, path: Path, manifest: Manifest, attributes: tuple[Attribute, ...]) -> PartialWriter:
         manifest.source = self._digest
-        self.partial = PartialWriter(path, manifest, attributes, self._resume, source.made_by())
+        self.partial = self.WRITER(path, manifest, attributes, self._resume, source.made_by())
         self.resumed = self.partial.kept
         return self.partial
 

@@ -71,6 +71,8 @@ def _digest(piece: Piece, pre_roll: int, digest: str) -> str:
 class PieceBake(bake.FarmBake):
     """The bake of one piece, which is not shown."""
 
+    WRITER = PieceWriter
+
     def __init__(self, context: bpy.types.Context, obj: bpy.types.Object, piece: Piece, pre_roll: int, digest: str,
                  options: Options) -> None:
         self.piece, self._pre_roll = piece, pre_roll
@@ -84,12 +86,6 @@ class PieceBake(bake.FarmBake):
         playback = super()._make_playback(context)
         keep_to(playback, self.piece.start, self.piece.first, self.piece.last, self._pre_roll)
         return playback
-
-    def _make_writer(self, path: Path, manifest: Manifest, attributes: tuple[Attribute, ...]) -> PieceWriter:
-        manifest.source = self._digest
-        self.partial = PieceWriter(path, manifest, attributes, self._resume, source.made_by())
-        self.resumed = self.partial.kept
-        return self.partial
 
     def finish(self) -> Path:
         with self._faults():
