@@ -242,7 +242,7 @@ class FromTexture(unittest.TestCase):
 
 class Refused(unittest.TestCase):
     OPERATORS = ("rumple_paint", "rumple_paint_clear", "rumple_paint_invert", "rumple_paint_from_border",
-                 "rumple_paint_from_texture")
+                 "rumple_paint_from_texture", "rumple_paint_from_material")
 
     def refused(self, words: str, **how: str) -> None:
         for name in self.OPERATORS:

@@ -92,6 +92,22 @@ class Maps(WindowCase):
         yield from self.key("paint_from_texture")
         np.testing.assert_array_equal(self.weights(), self.painted)
         self.screenshot("paint_dialog")
+        yield from self.enter()
+        np.testing.assert_allclose(self.weights(), 0.25, atol=1e-6)
+
+    def test_a_material_is_asked_for(self) -> Iterator[float]:
+        """By a dialog with the active one, and the weight that takes its folds away."""
+        yield from self.make()
+        self.obj.data.materials.clear()
+        self.obj.data.materials.append(bpy.data.materials.new("Skin"))
+        yield from self.key("paint_from_material")
+        np.testing.assert_array_equal(self.weights(), self.painted)
+        self.screenshot("material_dialog")
+        yield from self.enter()
+        np.testing.assert_array_equal(self.weights(), 0.0)
+
+    def enter(self) -> Iterator[float]:
+        """Confirms a dialog."""
         window = bpy.context.window_manager.windows[0]
         place = dict(x=window.width // 2 - 220, y=window.height // 2 + 31)  # no field: Enter would be for that
         window.event_simulate("MOUSEMOVE", "NOTHING", **place)
@@ -99,7 +115,6 @@ class Maps(WindowCase):
         for value in ("PRESS", "RELEASE"):
             window.event_simulate("RET", value, **place)
         yield 0.3
-        np.testing.assert_allclose(self.weights(), 0.25, atol=1e-6)
 
 
 class Panel(WindowCase):

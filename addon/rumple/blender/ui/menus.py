@@ -15,7 +15,7 @@ _ENTRIES = (
     ("object.rumple_preset preset", "object.rumple_paint group", "object.rumple_copy_settings",
      "object.rumple_capture_rest", "object.rumple_width_from_height"),
     ("object.rumple_paint_clear group", "object.rumple_paint_invert group", "object.rumple_paint_from_border group",
-     "object.rumple_paint_from_texture group"),
+     "object.rumple_paint_from_texture group", "object.rumple_paint_from_material group"),
     ("object.rumple_bake", "object.rumple_bake every Bake All", "object.rumple_bake_free",
      "object.rumple_bake_shape_keys", "object.rumple_clear_frames", "object.rumple_publish", "object.rumple_vat"),
     ("object.rumple_shade", "object.rumple_unshade", "object.rumple_brush", "object.rumple_scatter",

@@ -3,7 +3,8 @@
 
 bpy.ops.object.rumple_paint(group="radius"), rumple_paint_clear(group="radius"), rumple_paint_invert(group="radius"),
 rumple_paint_from_border(group="radius", distance=0.05, falloff="SMOOTH", reverse=False),
-rumple_paint_from_texture(group="radius", image="Mask", channel="LUMINANCE").
+rumple_paint_from_texture(group="radius", image="Mask", channel="LUMINANCE"),
+rumple_paint_from_material(group="follow", material="Skin", weight=1.0).
 """
 from __future__ import annotations
 
@@ -275,8 +276,58 @@ def _pixels(obj: bpy.types.Object, image: bpy.types.Image) -> np.ndarray:
     return flat.reshape(height, width, image.channels)
 
 
+class OBJECT_OT_rumple_paint_from_material(_WholeMap, bpy.types.Operator):
+    """Set the weight of this map on all faces of one material, such as skin or a belt. The rest of the map stays"""
+
+    bl_idname = "object.rumple_paint_from_material"
+    bl_label = "Map from Material"
+
+    material: bpy.props.StringProperty(name="Material", description="Whose faces get the weight, with their border")
+    weight: bpy.props.FloatProperty(name="Weight", min=0.0, max=1.0, default=1.0, options={"SKIP_SAVE"},
+                                    description="Of these vertices. 0 for maps that are 1 where nothing is painted")
+
+    def invoke(self, context: bpy.types.Context, _event: bpy.types.Event) -> set[str]:
+        obj = context.object
+        self._choose_weight(painted_maps.find(obj, self.group))
+        if self.material not in obj.material_slots and obj.active_material is not None:
+            self.material = obj.active_material.name
+        return context.window_manager.invoke_props_dialog(self)
+
+    def draw(self, context: bpy.types.Context) -> None:
+        column = ui_base.property_column(self.layout)
+        column.prop_search(self, "material", context.object, "material_slots")
+        column.prop(self, "weight", slider=True)
+
+    def change(self, context: bpy.types.Context, obj: bpy.types.Object, painted: PaintedMap) -> None:
+        self._choose_weight(painted)
+        values = painted_maps.weights(obj, painted)
+        values[_vertices_of(obj, self.material)] = self.weight
+        painted_maps.write(obj, painted, values)
+
+    def _choose_weight(self, painted: PaintedMap | None) -> None:
+        if painted is not None and not self.properties.is_property_set("weight"):
+            self.weight = 1.0 - painted.rest
+
+
+def _vertices_of(obj: bpy.types.Object, material: str) -> np.ndarray:
+    """(n,) bool: the vertices of the faces that have this material. Raises UserError."""
+    slots = [number for number, slot in enumerate(obj.material_slots) if slot.material and slot.name == material]
+    if not slots:
+        raise UserError(f"{obj.name}: it has no material \"{material}\": choose one of its materials")
+    mesh = obj.data
+    # Blender draws faces whose number is too large with the last material.
+    numbers = np.minimum(compat.indices(mesh.polygons, "material_index"), len(obj.material_slots) - 1)
+    corners = np.repeat(np.isin(numbers, slots), compat.indices(mesh.polygons, "loop_total"))
+    chosen = np.zeros(len(mesh.vertices), bool)
+    chosen[compat.corner_vertices(mesh)[corners]] = True
+    if not chosen.any():
+        raise UserError(f"{obj.name}: no face has the material \"{material}\": choose another one")
+    return chosen
+
+
 CLASSES = (OBJECT_OT_rumple_paint, OBJECT_OT_rumple_paint_clear, OBJECT_OT_rumple_paint_invert,
-           OBJECT_OT_rumple_paint_from_border, OBJECT_OT_rumple_paint_from_texture)
+           OBJECT_OT_rumple_paint_from_border, OBJECT_OT_rumple_paint_from_texture,
+           OBJECT_OT_rumple_paint_from_material)
 
 _register, _unregister = bpy.utils.register_classes_factory(CLASSES)
 

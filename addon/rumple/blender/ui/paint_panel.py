@@ -35,6 +35,7 @@ def _draw_map(column: bpy.types.UILayout, obj: bpy.types.Object, painted: painte
                  depress=is_active_map(obj, painted)).group = painted.key
     row.operator("object.rumple_paint_from_border", text="", icon="MOD_EDGESPLIT").group = painted.key
     row.operator("object.rumple_paint_from_texture", text="", icon="TEXTURE").group = painted.key
+    row.operator("object.rumple_paint_from_material", text="", icon="MATERIAL").group = painted.key
     of_existing = row.row(align=True)
     of_existing.enabled = painted.exists
     of_existing.operator("object.rumple_paint_invert", text="", icon="ARROW_LEFTRIGHT").group = painted.key
