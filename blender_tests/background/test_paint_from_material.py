@@ -78,8 +78,8 @@ class FromMaterial(unittest.TestCase):
         self.assertNotIn(SMOOTH, obj.vertex_groups)
 
     def test_welded_skin_stays_as_it_is_animated(self) -> None:
-        """A sleeve, half of which is skin. From its second ring on it stays; the smooth surface of the first ring is bent
-        by the cloth beside it."""
+        """A sleeve, half of which is skin. From its second ring on it stays; the smooth surface of the first ring is
+        bent by the cloth beside it."""
         obj = sleeve.scene(wrinkles=False)
         mesh = obj.data
         mesh.materials.clear()
