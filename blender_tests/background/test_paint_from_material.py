@@ -75,6 +75,10 @@ class FromMaterial(unittest.TestCase):
         for name, why in (("", "it has no material \"\": choose one"), ("Belt", "no face has the material \"Belt\"")):
             with self.assertRaisesRegex(RuntimeError, f"Row: {why}"):
                 bpy.ops.object.rumple_paint_from_material(group="smooth", material=name)
+        obj.data.materials.clear()
+        obj.data.materials.append(None)
+        with self.assertRaisesRegex(RuntimeError, "Row: it has no material to paint by: give its faces one"):
+            bpy.ops.object.rumple_paint_from_material(group="smooth")
         self.assertNotIn(SMOOTH, obj.vertex_groups)
 
     def test_welded_skin_stays_as_it_is_animated(self) -> None:

@@ -96,7 +96,7 @@ class Maps(WindowCase):
         np.testing.assert_allclose(self.weights(), 0.25, atol=1e-6)
 
     def test_a_material_is_asked_for(self) -> Iterator[float]:
-        """By a dialog with the active one, and the weight that takes its folds away."""
+        """By a dialog with the active one, and the weight that takes its folds away. Undo brings them back."""
         yield from self.make()
         self.obj.data.materials.clear()
         self.obj.data.materials.append(bpy.data.materials.new("Skin"))
@@ -105,6 +105,8 @@ class Maps(WindowCase):
         self.screenshot("material_dialog")
         yield from self.enter()
         np.testing.assert_array_equal(self.weights(), 0.0)
+        yield from self.undo()
+        np.testing.assert_array_equal(self.weights(), self.painted)
 
     def enter(self) -> Iterator[float]:
         """Confirms a dialog."""

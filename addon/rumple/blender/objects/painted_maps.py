@@ -158,10 +158,15 @@ def selected(obj: bpy.types.Object) -> np.ndarray | None:
         return chosen
     if not mesh.use_paint_mask:
         return None
-    faces, total = np.empty(len(mesh.polygons), bool), compat.indices(mesh.polygons, "loop_total")
+    faces = np.empty(len(mesh.polygons), bool)
     mesh.polygons.foreach_get("select", faces)
+    return vertices_of(mesh, faces)
+
+
+def vertices_of(mesh: bpy.types.Mesh, faces: np.ndarray) -> np.ndarray:
+    """(n,) bool: the vertices of some faces. faces: (polygons,) bool."""
     chosen = np.zeros(len(mesh.vertices), bool)
-    chosen[compat.corner_vertices(mesh)[np.repeat(faces, total)]] = True
+    chosen[compat.corner_vertices(mesh)[np.repeat(faces, compat.indices(mesh.polygons, "loop_total"))]] = True
     return chosen
 
 

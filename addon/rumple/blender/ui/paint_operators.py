@@ -288,8 +288,12 @@ class OBJECT_OT_rumple_paint_from_material(_WholeMap, bpy.types.Operator):
 
     def invoke(self, context: bpy.types.Context, _event: bpy.types.Event) -> set[str]:
         obj = context.object
+        try:
+            names = _materials(obj)  # without a material there is nothing to choose
+        except UserError as error:
+            return self.refused(error)
         self._choose_weight(painted_maps.find(obj, self.group))
-        if self.material not in obj.material_slots and obj.active_material is not None:
+        if self.material not in names and obj.active_material is not None:
             self.material = obj.active_material.name
         return context.window_manager.invoke_props_dialog(self)
 
@@ -301,7 +305,7 @@ class OBJECT_OT_rumple_paint_from_material(_WholeMap, bpy.types.Operator):
     def change(self, context: bpy.types.Context, obj: bpy.types.Object, painted: PaintedMap) -> None:
         self._choose_weight(painted)
         values = painted_maps.weights(obj, painted)
-        values[_vertices_of(obj, self.material)] = self.weight
+        values[_vertices_with(obj, self.material)] = self.weight
         painted_maps.write(obj, painted, values)
 
     def _choose_weight(self, painted: PaintedMap | None) -> None:
@@ -309,20 +313,26 @@ class OBJECT_OT_rumple_paint_from_material(_WholeMap, bpy.types.Operator):
             self.weight = 1.0 - painted.rest
 
 
-def _vertices_of(obj: bpy.types.Object, material: str) -> np.ndarray:
+def _materials(obj: bpy.types.Object) -> list[str]:
+    """The names of the materials in its slots, "" for an empty slot. Raises UserError if there is no material."""
+    names = [slot.name for slot in obj.material_slots]
+    if not any(names):
+        raise UserError(f"{obj.name}: it has no material to paint by: give its faces one first")
+    return names
+
+
+def _vertices_with(obj: bpy.types.Object, material: str) -> np.ndarray:
     """(n,) bool: the vertices of the faces that have this material. Raises UserError."""
-    slots = [number for number, slot in enumerate(obj.material_slots) if slot.material and slot.name == material]
+    slots = [number for number, name in enumerate(_materials(obj)) if name and name == material]
     if not slots:
         raise UserError(f"{obj.name}: it has no material \"{material}\": choose one of its materials")
     mesh = obj.data
     # Blender draws faces whose number is too large with the last material.
     numbers = np.minimum(compat.indices(mesh.polygons, "material_index"), len(obj.material_slots) - 1)
-    corners = np.repeat(np.isin(numbers, slots), compat.indices(mesh.polygons, "loop_total"))
-    chosen = np.zeros(len(mesh.vertices), bool)
-    chosen[compat.corner_vertices(mesh)[corners]] = True
-    if not chosen.any():
+    faces = np.isin(numbers, slots)
+    if not faces.any():
         raise UserError(f"{obj.name}: no face has the material \"{material}\": choose another one")
-    return chosen
+    return painted_maps.vertices_of(mesh, faces)
 
 
 CLASSES = (OBJECT_OT_rumple_paint, OBJECT_OT_rumple_paint_clear, OBJECT_OT_rumple_paint_invert,
