@@ -24,6 +24,7 @@ import makehuman  # noqa: E402
 OUTFITS = ("female_casualsuit01", "female_casualsuit02", "female_elegantsuit01", "female_sportsuit01",
            "male_casualsuit01", "male_casualsuit02", "male_casualsuit03", "male_casualsuit04", "male_casualsuit05",
            "male_casualsuit06", "male_elegantsuit01", "male_worksuit01")
+WELDED = ("male_welded",)  # one mesh: the clothes are faces of the figure. Rendered only where it is named
 FABRICS = {"female_sportsuit01": "STRETCH"}  # the others: as the click leaves them
 FRAMES, SHOWN = 66, (1, 30, 48, 66)
 TILE, OVERVIEW_WIDTH = (360, 480), 190  # pixels
@@ -45,6 +46,13 @@ CLIP = {
 }
 # Linear colours of cloth, one after the other; and of skin.
 CLOTH, SKIN = ((0.20, 0.36, 0.52), (0.42, 0.16, 0.13), (0.20, 0.30, 0.22), (0.40, 0.33, 0.22)), (0.62, 0.44, 0.34)
+JEANS = (0.10, 0.13, 0.30)
+# Of clothes that are welded: bones by the starts of their names, and with a larger share of them a face is bare.
+BARE = {"hands": ("lowerarm", "wrist", "finger", "metacarpal"), "head": ("neck", "head", "jaw", "oris", "special"),
+        "feet": ("foot", "toe")}
+MOST_BARE = {"hands": 0.35, "head": 0.4, "feet": 0.5}
+WAIST, COLLAR = 0.585, 0.88  # shares of the figure's height
+LIFT, Z_AXIS = 0.008, 2  # metres off the skin
 
 
 @dataclass
@@ -127,16 +135,42 @@ def keep_feet_in_place(rig: bpy.types.Object) -> None:
         root.keyframe_insert("location", frame=frame)
 
 
+def weld_clothes(body: bpy.types.Object, weights: np.ndarray, bones: list[str]) -> None:
+    """Makes faces of a figure those of a shirt and of jeans, with materials of their own, and lifts them off the skin
+    around them. weights: (vertices, bones)."""
+    mesh = body.data
+    share = {part: weights[:, [bone.startswith(starts) for bone in bones]].sum(axis=1) for part, starts in BARE.items()}
+    points, normals = (np.array([getattr(vertex, name) for vertex in mesh.vertices]) for name in ("co", "normal"))
+    height = (points[:, Z_AXIS] - points[:, Z_AXIS].min()) / np.ptp(points[:, Z_AXIS])
+    lifted = np.ones(len(points), bool)
+    for material, colour in (("Shirt", CLOTH[0]), ("Jeans", JEANS)):
+        mesh.materials.append(painted(material, colour))
+    for polygon in mesh.polygons:
+        corners = list(polygon.vertices)
+        at = height[corners].mean()
+        bare = at > COLLAR or max(share[part][corners].mean() / most for part, most in MOST_BARE.items()) > 1.0
+        polygon.material_index = 0 if bare else 1 if at > WAIST else 2
+        lifted[corners] &= not bare
+    mesh.vertices.foreach_set("co", np.float32(points + LIFT * lifted[:, None] * normals).ravel())
+    mesh.update()
+
+
 def build_scene(data: Path, clothes: Path, name: str, colour: tuple[float, float, float]) -> bpy.types.Object:
     """An empty file with the figure in its outfit. Returns the outfit."""
     bpy.ops.wm.read_factory_settings(use_empty=True)
     kind = name.split("_")[0]
     figure = makehuman.read_figure(data, (f"macrodetails/caucasian-{kind}-young",
                                           f"macrodetails/universal-{kind}-young-averagemuscle-averageweight"))
-    outfit = makehuman.read_outfit(clothes / name / f"{name}.mhclo", figure)
     rig, bones = build_rig(figure.bones), list(figure.bones)
-    skinned("Body", *makehuman.skin_of(figure, outfit.hidden), bones, rig, SKIN)
-    obj = skinned(name, outfit.mesh, outfit.weights, bones, rig, colour)
+    if name in WELDED:
+        mesh, weights = makehuman.skin_of(figure, set())
+        obj = skinned(name, mesh, weights, bones, rig, SKIN)
+        obj.data.materials[0].name = "Skin"
+        weld_clothes(obj, weights, bones)
+    else:
+        outfit = makehuman.read_outfit(clothes / name / f"{name}.mhclo", figure)
+        skinned("Body", *makehuman.skin_of(figure, outfit.hidden), bones, rig, SKIN)
+        obj = skinned(name, outfit.mesh, outfit.weights, bones, rig, colour)
     demo_scene.add_camera_and_lights()
     camera = bpy.context.scene.camera
     camera.location = Vector((1.9, -4.05, 0.36))

@@ -14,6 +14,8 @@ from ..native import kernels
 from .digests import digest_of
 from .healing import Origin, creases_of, origin_of, origin_of_itself
 from .rigid_parts import RigidParts
+from .triangles import area_vectors
+from .vertices import lengths
 from .wording import user_error
 
 _built: dict[bytes, Any] | None = None  # results of the library within built_once(), by digest of the arrays
@@ -124,6 +126,17 @@ class BaseMesh:
         first, second = self.sides().T
         sides = self.positions[second] - self.positions[first]
         return float(np.linalg.norm(sides, axis=1).mean()) if len(sides) else 0.0
+
+    def mean_edge_by_area(self) -> float:
+        """Mean length of the sides around a random point of the surface, object units. It is that of cloth also where a
+        small part, like a face or a row of buttons, has most of the edges."""
+        first, second = self.sides().T
+        sides = lengths(self.positions[second] - self.positions[first])
+        polygon = np.searchsorted(self.polygon_start, self.triangle_corner[:, 0], side="right") - 1
+        area = np.bincount(polygon, lengths(area_vectors(self.positions, self.triangles)), len(self.polygon_start) - 1)
+        corners = np.diff(self.polygon_start)
+        by_corner = np.repeat(area / np.maximum(corners, 1), corners)
+        return float((by_corner * sides).sum() / by_corner.sum()) if by_corner.sum() > 0.0 else self.mean_edge()
 
     def sides(self) -> np.ndarray:
         """(c, 2) int32: the vertices of the polygons' sides, corner by corner."""

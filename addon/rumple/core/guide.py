@@ -101,6 +101,7 @@ MESSAGES = tuple((re.compile(pattern), anchor) for pattern, anchor in (
     (r"raise Most Vertices|finer folds are asked|Esc stopped|not made anew yet", "the-panel"),
     (r"fewer than the coarse|own fine mesh|are not attached", "fine-mesh"),
     (r"was healed|to be healed", "where-it-stands"),
+    (r"these materials are not cloth", "rigid-parts-and-skin"),
     (r"installation of Rumple|Rumple's library", "what-the-packages-need"),
 ))
 

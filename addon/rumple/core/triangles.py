@@ -2,7 +2,7 @@
 """Normals and frames of triangles, and interpolation in them, row by row in NumPy. Never imports bpy."""
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -72,8 +72,16 @@ def corner_weights(mesh: Any) -> np.ndarray:
     return np.concatenate([1.0 - others.sum(1, keepdims=True), others], 1)
 
 
+class Embedding(NamedTuple):
+    """How some vertices of a shown mesh are embedded in the base: as on a native mesh or a ShownMesh."""
+
+    triangle_vertex: np.ndarray  # (d, 3) int32
+    barycentric: np.ndarray  # (d, 2) float32
+
+
 def on_shown(values: np.ndarray, mesh: Any) -> np.ndarray:
-    """(n, ...) float32 values of the base's vertices -> (d, ...) of a shown mesh. mesh: native, or a ShownMesh."""
+    """(n, ...) float32 values of the base's vertices -> (d, ...) of a shown mesh. mesh: native, a ShownMesh,
+    or an Embedding."""
     # Not with corner_weights(), which rounds differently: stored and shown values must keep their bits.
     weight_1, weight_2 = (mesh.barycentric[:, k].reshape(-1, *[1] * (values.ndim - 1)) for k in (0, 1))
     corner_0, corner_1, corner_2 = (values[mesh.triangle_vertex[:, k]] for k in range(3))

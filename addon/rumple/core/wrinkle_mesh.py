@@ -247,7 +247,7 @@ class WrinkleMesh(Wrinkles):
         """Show the layers of the coarse mesh on the dense base, which is subdivided as far as its folds need."""
         steps = settings.level
         if settings.density == "WAVELENGTH":
-            edge = (self.base if self.outer is None else self.outer.mesh).mean_edge() * self.unit_scale
+            edge = (self.base if self.outer is None else self.outer.mesh).mean_edge_by_area() * self.unit_scale
             steps = round(halvings(edge, settings.wavelength * self.base.narrowest))
         steps += settings.display_steps
         steps, notes = self.base.level_within(max(steps, 0), 0, most_vertices)

@@ -63,6 +63,12 @@ def base_mesh(obj: bpy.types.Object, rest_shape: str, rest_key: str) -> engine.B
     return base
 
 
+def material_slots(obj: bpy.types.Object, mesh: bpy.types.Mesh) -> np.ndarray:
+    """(polygons,) int32: the material slot of every face of a mesh of this object, which has at least one slot. Blender
+    draws faces whose number is too large with the last material."""
+    return np.minimum(compat.indices(mesh.polygons, "material_index"), len(obj.material_slots) - 1)
+
+
 def narrowest(obj: bpy.types.Object, settings: Settings) -> float:
     """BaseMesh.narrowest, for the systems that refine their solved mesh for it."""
     if isinstance(settings, FieldSettings) or (isinstance(settings, MeshSettings) and not settings.layered):

@@ -16,7 +16,7 @@ import numpy as np
 
 from ...core.frame_result import Attribute, FrameResult
 from ...core.shown_mesh import ShownMesh
-from ...core.triangles import on_shown
+from ...core.triangles import Embedding, on_shown
 from ...core.vertices import pair_keys
 from .. import compat
 from ..nodes import wrinkle_tree
@@ -261,16 +261,21 @@ def carry_vertex_groups(output: bpy.types.Object, fine: ShownMesh, inherited: In
             output.vertex_groups.new(name=name)
     if not names:
         return
-    steps = weight_steps(fine, inherited.weights[:, [wanted.index(name) for name in names]])
-    for column, name in enumerate(names):  # these groups are new and empty
-        write_steps(output.vertex_groups[name], steps[:, column], np.zeros(len(steps), np.int32))
+    for name in names:  # these groups are new and empty
+        steps = weight_steps(fine, inherited.weights[:, wanted.index(name)])
+        write_steps(output.vertex_groups[name], steps, np.zeros(len(steps), np.int32))
 
 
 def weight_steps(fine: ShownMesh, weights: np.ndarray) -> np.ndarray:
-    """(n, groups) weights of the coarse mesh -> (m, groups) of the fine one, in steps too small to be visible: 0 if a
-    point is in no group, otherwise 1 to WEIGHT_STEPS."""
-    spread = on_shown(weights, fine)  # an own mesh has other points than carry_points() expects
-    return np.where(spread > 0.0, np.maximum(np.rint(spread * WEIGHT_STEPS), 1.0), 0.0).astype(np.int32)
+    """(n,) weights of the coarse mesh -> (m,) of the fine one, in steps too small to be visible: 0 if a point is not in
+    the group, otherwise 1 to WEIGHT_STEPS. Cost: little where most weights are 0, as those of a bone."""
+    corners, is_member = fine.triangle_vertex, weights > 0.0
+    rows = np.flatnonzero(is_member[corners[:, 0]] | is_member[corners[:, 1]] | is_member[corners[:, 2]])
+    # an own mesh has other points than carry_points() expects
+    spread = on_shown(weights, Embedding(corners[rows], fine.barycentric[rows]))
+    steps = np.zeros(len(corners), np.int32)
+    steps[rows] = np.where(spread > 0.0, np.maximum(np.rint(spread * WEIGHT_STEPS), 1.0), 0.0)
+    return steps
 
 
 def write_steps(group: bpy.types.VertexGroup, steps: np.ndarray, had: np.ndarray | None = None) -> None:

@@ -12,6 +12,7 @@ import hashlib
 import json
 
 import bpy
+import numpy as np
 
 from ...core.shown_mesh import ShownMesh
 from .. import compat
@@ -56,13 +57,13 @@ def carry_colours(obj: bpy.types.Object, output: bpy.types.Object, fine: ShownMe
     if obj.mode != MODE or group is None or group.name not in output.vertex_groups:
         return False
     mesh, name = output.data, group.name
-    weights = mesh_reader.group_weights(obj, incoming_mesh.of(obj), [name])
-    wanted = hashlib.sha1(weights[:, 0].tobytes()).hexdigest()
+    weights = np.ascontiguousarray(mesh_reader.group_weights(obj, incoming_mesh.of(obj), [name])[:, 0])
+    wanted = hashlib.sha1(weights.tobytes()).hexdigest()
     carried = json.loads(mesh.get(output_mesh.CARRIED_KEY, "{}"))
     had = carried.get("groups", {}).get(name)
     if had is None or had == wanted:
         return False
-    steps = output_mesh.weight_steps(fine, weights)[:, 0]
+    steps = output_mesh.weight_steps(fine, weights)
     of, known = runtime.painted_steps or (None, None)
     key = compat.session_key(mesh)
     output_mesh.write_steps(output.vertex_groups[name], steps, known if of == (key, name, had) else None)

@@ -17,8 +17,8 @@ from ..frame import disk_frames, rebuild
 from ..maps import rebuild as maps_rebuild
 from ..nodes import field_shader, wrinkle_tree
 from ..objects import (bodies, body_search, cloth_defaults, free_parts, incoming_mesh, made_collections,
-                       mesh_reader, modifier, posed_coarse, properties, rig_scale, runtimes, stack_notes,
-                       subdivision_behind, tucked_hems)
+                       mesh_reader, modifier, painted_skin, posed_coarse, properties, rig_scale, runtimes,
+                       stack_notes, subdivision_behind, tucked_hems)
 from ..translation import said
 from . import fabrics, thumbnails, wave_materials
 
@@ -167,8 +167,12 @@ class OBJECT_OT_rumple_add(bpy.types.Operator):
         """Set all settings and the bodies. Returns messages about them."""
         lengths = self._set_defaults(context, obj)
         with incoming_mesh.whole(body_search.candidates(obj, context.scene)):
-            worn_over = self._set_cloth(obj, context.scene, lengths)
+            worn_over, skin = self._set_cloth(obj, context.scene, lengths)
         self._adjust(context, obj)
+        if skin:
+            names = ", ".join(skin)
+            return [f"{obj.name}: by their names, these materials are not cloth, and stay as they are animated: "
+                    f"{names}. To change that, paint Pinned and Keep Smooth"]
         if cloth_defaults.is_cloth(obj) or properties.group_of(obj).is_property_set("base_cloth"):
             return []
         if worn_over.is_body and cloth_defaults.defaults(obj, context.scene):
@@ -183,17 +187,20 @@ class OBJECT_OT_rumple_add(bpy.types.Operator):
                 "fewer than two openings, as hats and gloves have, so it is not made cloth: if it is, set Base Cloth "
                 "to Hang"]
 
-    def _set_cloth(self, obj: bpy.types.Object, scene: bpy.types.Scene, lengths: set[str]) -> body_search.WornOver:
-        """Set the cloth settings if the object is a garment, and find its bodies."""
-        worn_over = body_search.find(obj, scene)
+    def _set_cloth(self, obj: bpy.types.Object, scene: bpy.types.Scene,
+                   lengths: set[str]) -> tuple[body_search.WornOver, list[str]]:
+        """Set the cloth settings if the object is a garment, and find its bodies. Returns them, and the materials of
+        the welded skin that was painted."""
+        worn_over, skin = body_search.find(obj, scene), []
         is_sheet = cloth_defaults.is_sheet(obj, worn_over.body)
         if not worn_over.is_body:
             cloth_defaults.apply(obj, scene, lengths, is_sheet)
         if cloth_defaults.is_cloth(obj):
             self._set_bodies(obj, worn_over)
+            skin = painted_skin.paint(obj)
             free_parts.give_room(obj, scene, worn_over.trees, is_sheet, "room" not in lengths)
             tucked_hems.paint(obj, scene, worn_over.trees_over(), is_sheet)
-        return worn_over
+        return worn_over, skin
 
     def _show_waves(self, context: bpy.types.Context, obj: bpy.types.Object) -> None:
         """Show the waves of a Wrinkle Field in materials and viewports."""

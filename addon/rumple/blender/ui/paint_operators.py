@@ -326,13 +326,10 @@ def _vertices_with(obj: bpy.types.Object, material: str) -> np.ndarray:
     slots = [number for number, name in enumerate(_materials(obj)) if name and name == material]
     if not slots:
         raise UserError(f"{obj.name}: it has no material \"{material}\": choose one of its materials")
-    mesh = obj.data
-    # Blender draws faces whose number is too large with the last material.
-    numbers = np.minimum(compat.indices(mesh.polygons, "material_index"), len(obj.material_slots) - 1)
-    faces = np.isin(numbers, slots)
+    faces = np.isin(mesh_reader.material_slots(obj, obj.data), slots)
     if not faces.any():
         raise UserError(f"{obj.name}: no face has the material \"{material}\": choose another one")
-    return painted_maps.vertices_of(mesh, faces)
+    return painted_maps.vertices_of(obj.data, faces)
 
 
 CLASSES = (OBJECT_OT_rumple_paint, OBJECT_OT_rumple_paint_clear, OBJECT_OT_rumple_paint_invert,

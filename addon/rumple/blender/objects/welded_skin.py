@@ -1,0 +1,43 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Finds skin that is welded to the clothes of an object, for the first click: a character that is one mesh."""
+from __future__ import annotations
+
+import bpy
+import numpy as np
+
+from ...core import skin_materials
+from ...core.base_mesh import BaseMesh
+from ...core.wording import UserError
+from . import incoming_mesh, mesh_reader
+
+
+def materials(obj: bpy.types.Object) -> list[str]:
+    """The names of its materials that name skin; empty if all of them do."""
+    names = [slot.name for slot in obj.material_slots if slot.name]
+    skin = [name for name in dict.fromkeys(names) if skin_materials.names_skin(name)]
+    return skin if len(skin) < len(set(names)) else []
+
+
+def faces(obj: bpy.types.Object, base: BaseMesh) -> np.ndarray | None:
+    """(p,) bool of a base's polygons: skin that is connected to cloth. None if there is none. base: of the object, as
+    it was read or healed. Cost: nothing if no material names skin, otherwise see welded_skin()."""
+    named = materials(obj)
+    if not named or not len(base.triangle_corner):
+        return None
+    slots = [number for number, slot in enumerate(obj.material_slots) if slot.name in named]
+    skin = np.isin(mesh_reader.material_slots(obj, incoming_mesh.of(obj)), slots)
+    found = skin_materials.welded_skin(base, skin[base.own_origin().polygon])
+    return found if found.any() else None
+
+
+def without(obj: bpy.types.Object, base: BaseMesh) -> BaseMesh:
+    """A base without the polygons of faces(), healed. It is the same base if there are none, or if it has an error,
+    which the build reports."""
+    if not materials(obj):
+        return base
+    try:
+        healed = base.healed(True)
+    except UserError:
+        return base
+    found = faces(obj, healed)
+    return base if found is None else healed.only(~found)
