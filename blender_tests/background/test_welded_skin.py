@@ -67,6 +67,18 @@ class Welded(unittest.TestCase):
         self.assertEqual(follow[self.skin()].min(), 1.0)
         self.assertEqual(follow[np.abs(along - 0.4) < 0.05].max(), 0.0)
 
+    def test_only_what_is_welded_is_named(self) -> None:
+        """Loose eyes are small rigid parts, which go with the cloth."""
+        work = bmesh.new()
+        work.from_mesh(self.obj.data)
+        bmesh.ops.create_cube(work, size=0.001)
+        for face in work.faces[-6:]:
+            face.material_index = 2
+        work.to_mesh(self.obj.data)
+        work.free()
+        self.obj.data.materials.append(bpy.data.materials.new("Eyes"))
+        self.assertIn("animated: Skin. To change", self.click())
+
     def test_the_skin_stays_and_the_cloth_moves(self) -> None:
         self.click()
         self.obj.rumple.mesh.display_steps = 0

@@ -16,9 +16,10 @@ from .vertices import lengths, places
 
 # Singular. Words that also name a piece of a garment (body, arm, leg, neck) say nothing.
 SKIN = frozenset((
-    "skin", "flesh", "face", "head", "scalp", "hair", "beard", "brow", "eyebrow", "eye", "eyelash", "lash", "ear",
-    "nose", "mouth", "lip", "hand", "finger", "nail", "fingernail", "foot", "feet", "toe", "toenail", "shoe", "boot",
-    "sneaker", "sandal", "sole"))
+    "skin", "flesh", "face", "head", "cheek", "chin", "scalp", "hair", "beard", "brow", "eyebrow", "eye", "iris",
+    "pupil", "sclera", "cornea", "eyelash", "lash", "ear", "nose", "mouth", "lip", "tooth", "teeth", "tongue", "gum",
+    "hand", "finger", "nail", "fingernail", "foot", "feet", "toe", "toenail", "shoe", "boot", "sneaker", "sandal",
+    "sole"))
 SKIN_CHARACTERS = frozenset("肌肤膚顔颜脸臉髪髮靴鞋")
 # Of a name with one of these, no other word counts: a head scarf, a hand-knitted sweater, a skin suit.
 CLOTH = frozenset((

@@ -25,9 +25,19 @@ def faces(obj: bpy.types.Object, base: BaseMesh) -> np.ndarray | None:
     if not named or not len(base.triangle_corner):
         return None
     slots = [number for number, slot in enumerate(obj.material_slots) if slot.name in named]
-    skin = np.isin(mesh_reader.material_slots(obj, incoming_mesh.of(obj)), slots)
-    found = skin_materials.welded_skin(base, skin[base.own_origin().polygon])
+    found = skin_materials.welded_skin(base, np.isin(_slots(obj, base), slots))
     return found if found.any() else None
+
+
+def materials_of(obj: bpy.types.Object, base: BaseMesh, polygons: np.ndarray) -> list[str]:
+    """The names of the materials of some polygons of a base, each once. polygons: (p,) bool."""
+    slots = np.unique(_slots(obj, base)[polygons]).tolist()
+    return list(dict.fromkeys(obj.material_slots[number].name for number in slots))
+
+
+def _slots(obj: bpy.types.Object, base: BaseMesh) -> np.ndarray:
+    """(p,) int32: the material slots of a base's polygons."""
+    return mesh_reader.material_slots(obj, incoming_mesh.of(obj))[base.own_origin().polygon]
 
 
 def without(obj: bpy.types.Object, base: BaseMesh) -> BaseMesh:

@@ -16,9 +16,8 @@ from .. import compat, scheduler, ui_base
 from ..frame import disk_frames, rebuild
 from ..maps import rebuild as maps_rebuild
 from ..nodes import field_shader, wrinkle_tree
-from ..objects import (bodies, body_search, cloth_defaults, free_parts, incoming_mesh, made_collections,
-                       mesh_reader, modifier, painted_skin, posed_coarse, properties, rig_scale, runtimes,
-                       stack_notes, subdivision_behind, tucked_hems)
+from ..objects import (bodies, cloth_defaults, first_click, incoming_mesh, modifier, posed_coarse, properties, runtimes,
+                       stack_notes, subdivision_behind)
 from ..translation import said
 from . import fabrics, thumbnails, wave_materials
 
@@ -128,7 +127,8 @@ class OBJECT_OT_rumple_add(bpy.types.Operator):
         runtimes.forget(obj)
         obj.rumple.method = self.method
         kept, maps, by_hand = _set_properties(obj), set(obj.vertex_groups.keys()), self._may_wait
-        notes = self._set_up(context, obj)
+        notes = first_click.set_up(obj, context.scene)
+        self._adjust(context, obj)
         with scheduler.suspended():
             nodes_mod = modifier.add(obj, self.method)
         # Handlers write while the window draws. Without the lock, a render in the window may crash.
@@ -162,45 +162,6 @@ class OBJECT_OT_rumple_add(bpy.types.Operator):
             return bpy.ops.rumple.maps_add()
         except RuntimeError as error:  # bpy.ops raises this if poll() fails
             return self._refuse(f"{obj.name}: {str(error).rsplit('poll() ', 1)[-1].strip()}")
-
-    def _set_up(self, context: bpy.types.Context, obj: bpy.types.Object) -> list[str]:
-        """Set all settings and the bodies. Returns messages about them."""
-        lengths = self._set_defaults(context, obj)
-        with incoming_mesh.whole(body_search.candidates(obj, context.scene)):
-            worn_over, skin = self._set_cloth(obj, context.scene, lengths)
-        self._adjust(context, obj)
-        if skin:
-            names = ", ".join(skin)
-            return [f"{obj.name}: by their names, these materials are not cloth, and stay as they are animated: "
-                    f"{names}. To change that, paint Pinned and Keep Smooth"]
-        if cloth_defaults.is_cloth(obj) or properties.group_of(obj).is_property_set("base_cloth"):
-            return []
-        if worn_over.is_body and cloth_defaults.defaults(obj, context.scene):
-            return [f"{obj.name}: {worn_over.clothes[0].name} lies over it, so it is taken for a body and is not made "
-                    "cloth: if it is a garment, set Base Cloth to Hang"]
-        if worn_over.body is None:
-            return []
-        if self.method != "MESH" and cloth_defaults.has_inner_side(obj):
-            return [f"{obj.name}: its thickness is modelled, so it is not made cloth: only a Wrinkle Mesh makes such "
-                    "clothes hang, by their outer side"]
-        return [f"{obj.name}: it lies over {worn_over.body.name} but is no sheet, as a cape or a flag is, and has "
-                "fewer than two openings, as hats and gloves have, so it is not made cloth: if it is, set Base Cloth "
-                "to Hang"]
-
-    def _set_cloth(self, obj: bpy.types.Object, scene: bpy.types.Scene,
-                   lengths: set[str]) -> tuple[body_search.WornOver, list[str]]:
-        """Set the cloth settings if the object is a garment, and find its bodies. Returns them, and the materials of
-        the welded skin that was painted."""
-        worn_over, skin = body_search.find(obj, scene), []
-        is_sheet = cloth_defaults.is_sheet(obj, worn_over.body)
-        if not worn_over.is_body:
-            cloth_defaults.apply(obj, scene, lengths, is_sheet)
-        if cloth_defaults.is_cloth(obj):
-            self._set_bodies(obj, worn_over)
-            skin = painted_skin.paint(obj)
-            free_parts.give_room(obj, scene, worn_over.trees, is_sheet, "room" not in lengths)
-            tucked_hems.paint(obj, scene, worn_over.trees_over(), is_sheet)
-        return worn_over, skin
 
     def _show_waves(self, context: bpy.types.Context, obj: bpy.types.Object) -> None:
         """Show the waves of a Wrinkle Field in materials and viewports."""
@@ -246,7 +207,8 @@ class OBJECT_OT_rumple_add(bpy.types.Operator):
         for group, name in [*left_out, *(setting for setting in _set_properties(obj) if setting not in kept)]:
             group.property_unset(name)
         self.properties.property_unset("width")
-        self._set_up(context, obj)
+        first_click.set_up(obj, context.scene)
+        self._adjust(context, obj)
         if cloth_defaults.is_cloth(obj):
             sheet = cloth_defaults.is_sheet(obj, obj.rumple.body)
             of_cloth = cloth_defaults.defaults(obj, context.scene, sheet)
@@ -258,24 +220,6 @@ class OBJECT_OT_rumple_add(bpy.types.Operator):
         for (group, name), value in left_out.items():
             setattr(group, name, value)
         return note
-
-    def _set_defaults(self, context: bpy.types.Context, obj: bpy.types.Object) -> set[str]:
-        """Set defaults. Settings from before a removal stay. Lengths that were never set get values for the mesh and
-        the scene's unit. Returns the names of these lengths."""
-        settings = properties.group_of(obj)
-        lengths = {name for name, f in properties.fields_of(obj).items()
-                   if f.metadata["unit"] == "LENGTH" and not settings.is_property_set(name)}
-        values = properties.defaults(obj, lengths)
-        system = SYSTEMS[self.method].wrinkles
-        incoming_mesh.update(obj)
-        if settings.rest_shape == "FRAME" and wrinkle_tree.REST_POSITION not in incoming_mesh.of(obj).attributes:
-            settings.property_unset("rest_shape")  # the captured shape was removed with the former wrinkles
-        if system.SUGGESTED in lengths and len(incoming_mesh.of(obj).polygons):
-            base = mesh_reader.base_mesh(obj, "REST_POSE", "")
-            values[system.SUGGESTED] = system.suggested_length(base, rig_scale.metres_at_rest(obj, context.scene))
-        properties.apply_values(obj, context.scene, values)
-        obj.rumple.bake_start, obj.rumple.bake_end = context.scene.frame_start, context.scene.frame_end
-        return lengths
 
     def _adjust(self, context: bpy.types.Context, obj: bpy.types.Object) -> None:
         """Apply the values of Adjust Last Operation, and show the current values there."""
@@ -292,18 +236,6 @@ class OBJECT_OT_rumple_add(bpy.types.Operator):
         self.body = "" if obj.rumple.body is None else obj.rumple.body.name
         if system.presets:
             self.preset = fabric
-
-    def _set_bodies(self, obj: bpy.types.Object, found: body_search.WornOver) -> None:
-        """Set the bodies if none was ever set. Bodies from before a removal stay, also if the artist had cleared them.
-        In a library override every pointer counts as set, even if it is empty."""
-        about, names = obj.rumple, ("body", "body_collection")
-        if about.looks_again or not any(about.is_property_set(name) and (
-                obj.override_library is None or getattr(about, name) is not None) for name in names):
-            if found.body is not None:
-                about.body = found.body
-            if found.garments:
-                about.body_collection = made_collections.make(obj, found.garments)
-            about.looks_again = found.body is None and not found.garments
 
     def _report_notes(self, obj: bpy.types.Object, notes: list[str], warnings: list[str]) -> None:
         for note in warnings + stack_notes.of(obj) + stack_notes.of_children(obj) + (

@@ -1,0 +1,88 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the first click sets: lengths that suit the mesh, cloth with what it is worn over, and painted maps. All of it
+can be changed afterwards."""
+from __future__ import annotations
+
+import bpy
+
+from ...core.systems import SYSTEMS
+from ..nodes import wrinkle_tree
+from . import (body_search, cloth_defaults, free_parts, incoming_mesh, made_collections, mesh_reader, painted_skin,
+               properties, rig_scale, tucked_hems)
+
+
+def set_up(obj: bpy.types.Object, scene: bpy.types.Scene) -> list[str]:
+    """Set all settings of the object's method, its bodies and its maps. What was set before a removal stays. Returns
+    messages about them."""
+    lengths = _set_defaults(obj, scene)
+    with incoming_mesh.whole(body_search.candidates(obj, scene)):
+        worn_over, skin = _set_cloth(obj, scene, lengths)
+    return _notes(obj, scene, worn_over, skin)
+
+
+def _set_defaults(obj: bpy.types.Object, scene: bpy.types.Scene) -> set[str]:
+    """Set the lengths that were never set to values for the mesh and the scene's unit. Returns their names."""
+    settings = properties.group_of(obj)
+    lengths = {name for name, f in properties.fields_of(obj).items()
+               if f.metadata["unit"] == "LENGTH" and not settings.is_property_set(name)}
+    values = properties.defaults(obj, lengths)
+    system = SYSTEMS[obj.rumple.method].wrinkles
+    incoming_mesh.update(obj)
+    if settings.rest_shape == "FRAME" and wrinkle_tree.REST_POSITION not in incoming_mesh.of(obj).attributes:
+        settings.property_unset("rest_shape")  # the captured shape was removed with the former wrinkles
+    if system.SUGGESTED in lengths and len(incoming_mesh.of(obj).polygons):
+        base = mesh_reader.base_mesh(obj, "REST_POSE", "")
+        values[system.SUGGESTED] = system.suggested_length(base, rig_scale.metres_at_rest(obj, scene))
+    properties.apply_values(obj, scene, values)
+    obj.rumple.bake_start, obj.rumple.bake_end = scene.frame_start, scene.frame_end
+    return lengths
+
+
+def _set_cloth(obj: bpy.types.Object, scene: bpy.types.Scene,
+               lengths: set[str]) -> tuple[body_search.WornOver, list[str]]:
+    """Set the cloth settings if the object is a garment, find its bodies, and paint its maps. lengths: from
+    _set_defaults(). Returns what was found, and the materials of welded skin."""
+    worn_over, skin = body_search.find(obj, scene), []
+    is_sheet = cloth_defaults.is_sheet(obj, worn_over.body)
+    if not worn_over.is_body:
+        cloth_defaults.apply(obj, scene, lengths, is_sheet)
+    if cloth_defaults.is_cloth(obj):
+        _set_bodies(obj, worn_over)
+        skin = painted_skin.paint(obj)
+        free_parts.give_room(obj, scene, worn_over.trees, is_sheet, "room" not in lengths)
+        tucked_hems.paint(obj, scene, worn_over.trees_over(), is_sheet)
+    return worn_over, skin
+
+
+def _set_bodies(obj: bpy.types.Object, found: body_search.WornOver) -> None:
+    """Set the bodies if none was ever set. Bodies from before a removal stay, also if the artist had cleared them. In a
+    library override every pointer counts as set, even if it is empty."""
+    about, names = obj.rumple, ("body", "body_collection")
+    if about.looks_again or not any(about.is_property_set(name) and (
+            obj.override_library is None or getattr(about, name) is not None) for name in names):
+        if found.body is not None:
+            about.body = found.body
+        if found.garments:
+            about.body_collection = made_collections.make(obj, found.garments)
+        about.looks_again = found.body is None and not found.garments
+
+
+def _notes(obj: bpy.types.Object, scene: bpy.types.Scene, worn_over: body_search.WornOver,
+           skin: list[str]) -> list[str]:
+    """What the artist should know: what is not made cloth, and why. worn_over, skin: from _set_cloth()."""
+    if skin:
+        names = ", ".join(skin)
+        return [f"{obj.name}: by their names, these materials are not cloth, and stay as they are animated: {names}. "
+                "To change that, paint Pinned and Keep Smooth"]
+    if cloth_defaults.is_cloth(obj) or properties.group_of(obj).is_property_set("base_cloth"):
+        return []
+    if worn_over.is_body and cloth_defaults.defaults(obj, scene):
+        return [f"{obj.name}: {worn_over.clothes[0].name} lies over it, so it is taken for a body and is not made "
+                "cloth: if it is a garment, set Base Cloth to Hang"]
+    if worn_over.body is None:
+        return []
+    if obj.rumple.method != "MESH" and cloth_defaults.has_inner_side(obj):
+        return [f"{obj.name}: its thickness is modelled, so it is not made cloth: only a Wrinkle Mesh makes such "
+                "clothes hang, by their outer side"]
+    return [f"{obj.name}: it lies over {worn_over.body.name} but is no sheet, as a cape or a flag is, and has fewer "
+            "than two openings, as hats and gloves have, so it is not made cloth: if it is, set Base Cloth to Hang"]
