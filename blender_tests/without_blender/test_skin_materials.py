@@ -5,9 +5,8 @@ from __future__ import annotations
 import unittest
 
 import numpy as np
-from rumple.core.base_mesh import BaseMesh
-from rumple.core.skin_materials import names_skin, vertices_of, welded_skin
-from support.meshes import quad_mesh, sheet, tube
+from rumple.core.skin_materials import is_beside_cloth, names_skin, vertices_of
+from support.meshes import quad_mesh, sheet
 from support.solved_meshes import together
 
 
@@ -28,39 +27,23 @@ class Names(unittest.TestCase):
             self.assertFalse(names_skin(name), name)
 
 
-def rows_of(base: BaseMesh, first: int, last: int) -> np.ndarray:
-    """(p,) bool: polygons of a sheet of 1-metre rows along y, from row `first` on, before row `last`."""
-    y = base.positions[base.corner_vertex, 1].reshape(-1, 4).mean(axis=1)
-    return (y > first) & (y < last)
-
-
-class Welded(unittest.TestCase):
-    def test_only_what_is_connected_to_cloth(self) -> None:
-        """A loose hand is found by its shape instead, and its map would be of no use."""
-        suit, hand = tube(16, 8), sheet(4, 4, 0.04)
-        mesh = together(suit, hand)
-        of_suit = np.arange(len(mesh.polygon_start) - 1) < len(suit.polygon_start) - 1
-        skin = ~of_suit
-        skin[:40] = True
-        np.testing.assert_array_equal(welded_skin(mesh, skin), skin & of_suit)
-
-    def test_vertices_that_are_split_at_a_material_are_connected(self) -> None:
-        """As importers of game files leave them: each material has vertices of its own."""
-        whole = sheet(4, 4, 4.0)
-        corners = whole.corner_vertex.reshape(-1, 4)
-        skin = rows_of(whole, 0, 2)
-        apart = np.where(skin[:, None], corners, corners + len(whole.positions))
-        used, corners = np.unique(apart, return_inverse=True)
-        split = quad_mesh("Split", np.tile(whole.positions, (2, 1))[used], corners.reshape(-1, 4))
-        self.assertGreater(len(split.positions), len(whole.positions))
-        np.testing.assert_array_equal(welded_skin(split, skin), skin)
-        np.testing.assert_array_equal(vertices_of(split, skin), split.positions[:, 1] <= 2.0)
-
+class BesideCloth(unittest.TestCase):
     def test_a_spot_of_either_is_left_alone(self) -> None:
         mesh = sheet(10, 10, 10.0)
-        for share, counts in ((1, False), (3, True), (97, True), (99, False)):
-            skin = np.arange(100) < share
-            self.assertEqual(welded_skin(mesh, skin).any(), counts, share)
+        for share, counts in ((0, False), (1, False), (3, True), (97, True), (99, False), (100, False)):
+            self.assertEqual(is_beside_cloth(mesh, np.arange(100) < share), counts, share)
+
+    def test_area_counts_not_the_number_of_faces(self) -> None:
+        """A face is modelled more densely than clothes."""
+        mesh = together(sheet(1, 1, 1.0), sheet(10, 10, 0.1))
+        self.assertFalse(is_beside_cloth(mesh, np.arange(101) > 0))
+
+    def test_its_border_is_skin_where_vertices_are_split_there_too(self) -> None:
+        """As importers of game files leave them: each material has vertices of its own."""
+        left = sheet(1, 1, 1.0)
+        right = quad_mesh("Right", left.positions + (1.0, 0.0, 0.0), left.corner_vertex.reshape(-1, 4))
+        split = together(left, right)
+        np.testing.assert_array_equal(vertices_of(split, np.array((True, False))), split.positions[:, 0] <= 1.0)
 
 
 class Edges(unittest.TestCase):

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Finds skin that is welded to clothes, by the names of the materials: a character of a game that is one mesh. Hair and
-shoes count as skin: none of them is cloth. Parts of a mesh that are not welded are found by their shape, see
-skin_parts.py. Never imports bpy.
+"""Finds skin in the mesh of its clothes by the names of the materials, as in characters of games: also skin that is
+welded to clothes, or that has no shape that skin_parts.py knows. Hair and shoes count as skin: they are not cloth
+either. Never imports bpy.
 """
 from __future__ import annotations
 
@@ -10,7 +10,6 @@ import re
 import numpy as np
 
 from .base_mesh import BaseMesh
-from .connected import parts
 from .triangles import area_vectors
 from .vertices import lengths, places
 
@@ -30,7 +29,7 @@ CLOTH = frozenset((
     "silk", "denim", "leather", "jersey"))
 CLOTH_CHARACTERS = frozenset("服衣袖裙裤褲帽巾袋")
 _WORD = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+")  # also the words of "EyeLash" and "SKIN_head"
-LEAST_AREA = 0.02  # least share of skin, and of cloth, in the area of their part: less is a stain, or a collar
+LEAST_AREA = 0.02  # least share of skin and of cloth in the area: a face without clothes, clothes with a stain
 
 
 def names_skin(material: str) -> bool:
@@ -42,15 +41,12 @@ def names_skin(material: str) -> bool:
     return bool(words & SKIN or SKIN_CHARACTERS & set(material))
 
 
-def welded_skin(base: BaseMesh, skin: np.ndarray) -> np.ndarray:
-    """(p,) bool: the polygons of skin that are connected to cloth, also where only the places of their vertices are the
-    same. skin: (p,) bool, by the names of their materials. Cost: 0.1 s for 50,000 vertices."""
-    part = parts(base, places(base.positions))[base.corner_vertex[base.polygon_start[:-1]]]
+def is_beside_cloth(base: BaseMesh, skin: np.ndarray) -> bool:
+    """Whether a mesh has both skin and cloth. skin: (p,) bool of its polygons."""
     polygon = np.searchsorted(base.polygon_start, base.triangle_corner[:, 0], side="right") - 1
-    area = np.bincount(polygon, lengths(area_vectors(base.positions, base.triangles)), len(skin))
-    whole, of_skin = np.bincount(part, area), np.bincount(part, area * skin)
-    is_mixed = (of_skin > LEAST_AREA * whole) & (of_skin < (1.0 - LEAST_AREA) * whole)
-    return skin & is_mixed[part]
+    area = lengths(area_vectors(base.positions, base.triangles))
+    share = area[skin[polygon]].sum() / max(area.sum(), 1e-30)
+    return bool(LEAST_AREA < share < 1.0 - LEAST_AREA)
 
 
 def vertices_of(base: BaseMesh, polygons: np.ndarray) -> np.ndarray:

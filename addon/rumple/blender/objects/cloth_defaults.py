@@ -11,7 +11,7 @@ from mathutils.kdtree import KDTree
 from ...core import flared, outer_side, transforms, wrinkle_field, wrinkle_mesh, wrinkle_paths
 from ...core.base_mesh import BaseMesh
 from .. import compat
-from . import incoming_mesh, mesh_reader, modifier, properties, rig_scale, runtimes, units, welded_skin
+from . import incoming_mesh, mesh_reader, modifier, named_skin, properties, rig_scale, runtimes, units
 
 # Their result is already cloth: its small compressions come from the simulation.
 SIMULATED = frozenset(("CLOTH", "SOFT_BODY", "MESH_CACHE", "MESH_SEQUENCE_CACHE"))
@@ -78,9 +78,9 @@ def has_inner_side(obj: bpy.types.Object) -> bool:
 
 
 def cloth_at_rest(obj: bpy.types.Object) -> BaseMesh:
-    """The mesh at rest without skin that is welded to it. Of a Wrinkle Mesh, without the inner side; the other systems
-    solve the mesh as it is."""
-    base = welded_skin.without(obj, mesh_reader.base_mesh(obj, "REST_POSE", ""))
+    """The mesh at rest without skin that its materials name. Of a Wrinkle Mesh, without the inner side; the other
+    systems solve the mesh as it is."""
+    base = named_skin.without(obj, mesh_reader.base_mesh(obj, "REST_POSE", ""))
     return outer_side.without_inner_side(base) if obj.rumple.method == "MESH" else base
 
 

