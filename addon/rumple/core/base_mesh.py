@@ -132,11 +132,15 @@ class BaseMesh:
         small part, like a face or a row of buttons, has most of the edges."""
         first, second = self.sides().T
         sides = lengths(self.positions[second] - self.positions[first])
-        polygon = np.searchsorted(self.polygon_start, self.triangle_corner[:, 0], side="right") - 1
-        area = np.bincount(polygon, lengths(area_vectors(self.positions, self.triangles)), len(self.polygon_start) - 1)
         corners = np.diff(self.polygon_start)
-        by_corner = np.repeat(area / np.maximum(corners, 1), corners)
-        return float((by_corner * sides).sum() / by_corner.sum()) if by_corner.sum() > 0.0 else self.mean_edge()
+        weight = np.repeat(self.polygon_areas() / corners, corners)
+        return float((weight * sides).sum() / weight.sum()) if weight.sum() > 0.0 else self.mean_edge()
+
+    def polygon_areas(self) -> np.ndarray:
+        """(p,) float64, object units^2."""
+        polygon = np.searchsorted(self.polygon_start, self.triangle_corner[:, 0], side="right") - 1
+        areas = lengths(area_vectors(self.positions, self.triangles))
+        return np.bincount(polygon, areas, len(self.polygon_start) - 1)
 
     def sides(self) -> np.ndarray:
         """(c, 2) int32: the vertices of the polygons' sides, corner by corner."""

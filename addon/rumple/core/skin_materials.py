@@ -10,8 +10,7 @@ import re
 import numpy as np
 
 from .base_mesh import BaseMesh
-from .triangles import area_vectors
-from .vertices import lengths, places
+from .vertices import places
 
 # Singular. Words that also name a piece of a garment (body, arm, leg, neck) say nothing.
 SKIN = frozenset((
@@ -43,9 +42,8 @@ def names_skin(material: str) -> bool:
 
 def is_beside_cloth(base: BaseMesh, skin: np.ndarray) -> bool:
     """Whether a mesh has both skin and cloth. skin: (p,) bool of its polygons."""
-    polygon = np.searchsorted(base.polygon_start, base.triangle_corner[:, 0], side="right") - 1
-    area = lengths(area_vectors(base.positions, base.triangles))
-    share = area[skin[polygon]].sum() / max(area.sum(), 1e-30)
+    areas = base.polygon_areas()
+    share = areas[skin].sum() / max(areas.sum(), 1e-30)
     return bool(LEAST_AREA < share < 1.0 - LEAST_AREA)
 
 

@@ -41,8 +41,7 @@ def _set_defaults(obj: bpy.types.Object, scene: bpy.types.Scene) -> set[str]:
 def _set_cloth(obj: bpy.types.Object, scene: bpy.types.Scene,
                lengths: set[str]) -> tuple[body_search.WornOver, list[str]]:
     """Set the cloth settings if the object is a garment, find its bodies, and paint its maps. lengths: from
-    _set_defaults(). Returns what was found, and the materials of skin that was
-    painted."""
+    _set_defaults(). Returns what was found, and the materials of the skin that was painted."""
     worn_over, skin = body_search.find(obj, scene), []
     is_sheet = cloth_defaults.is_sheet(obj, worn_over.body)
     if not worn_over.is_body:
