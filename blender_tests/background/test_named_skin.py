@@ -80,6 +80,21 @@ class Welded(unittest.TestCase):
         self.assertEqual(self.obj.rumple.mesh.base_cloth, "HANG")
         np.testing.assert_array_equal(weights(self.obj, SMOOTH), self.skin())
 
+    def test_a_collar_stays_pinned(self) -> None:
+        """As it is without a map: the shoulder is open here, and cloth."""
+        work = bmesh.new()
+        work.from_mesh(self.obj.data)
+        bmesh.ops.delete(work, context="FACES_ONLY", geom=[
+            face for face in work.faces if face.calc_center_median().x < 0.01 * sleeve.LENGTH])
+        for face in work.faces:
+            face.material_index = int(face.calc_center_median().x > 0.66 * sleeve.LENGTH)
+        work.to_mesh(self.obj.data)
+        work.free()
+        self.click()
+        follow, along = weights(self.obj, FOLLOW), compat.positions(self.obj.data)[:, 0]
+        self.assertGreater(follow[along == 0.0].min(), 0.9)
+        self.assertEqual(follow[self.skin()].min(), 1.0)
+
     def test_the_skin_stays_and_the_cloth_moves(self) -> None:
         self.click()
         self.obj.rumple.mesh.display_steps = 0

@@ -65,6 +65,17 @@ class Dense(unittest.TestCase):
         self.assertLess(max(abs(height - heights[0]) for height in heights), 0.5 * heights[0], heights)
         self.assertGreater(min(heights), 0.002)
 
+    def test_a_part_that_is_denser_leaves_the_rest_no_coarser(self) -> None:
+        """A face in the mesh of its clothes has most of the edges: the clothes were shown as they were modelled, without
+        folds. Here a cuff whose 40 rings lie 0.5 mm apart ends a sleeve with edges of 15 mm."""
+        sleeve_rows, cuff_rows = 32, 40
+        base = sleeve(42, sleeve_rows + cuff_rows)
+        height = np.r_[np.linspace(0.0, 0.98, sleeve_rows, endpoint=False), np.linspace(0.98, 1.0, cuff_rows + 1)]
+        base.positions[:, 2] = LENGTH * np.repeat(height, 42)
+        mesh = WrinkleMesh.build(base, settings_of(base))
+        self.assertIsNotNone(mesh.coarse)
+        self.assertGreater(mesh.vertex_count, 10 * len(base.positions))  # subdivided twice, not once
+
     def test_rest_without_gravity_stays_where_it_was_modelled(self) -> None:
         picture = self.solve(1, 1.0, gravity=0.0, slack=1.0)
         shown = picture.positions - self.mesh.positions_rest
