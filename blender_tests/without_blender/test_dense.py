@@ -66,8 +66,8 @@ class Dense(unittest.TestCase):
         self.assertGreater(min(heights), 0.002)
 
     def test_a_part_that_is_denser_leaves_the_rest_no_coarser(self) -> None:
-        """A face in the mesh of its clothes has most of the edges: the clothes were shown as they were modelled, without
-        folds. Here a cuff whose 40 rings lie 0.5 mm apart ends a sleeve with edges of 15 mm."""
+        """A face in the mesh of its clothes has most of the edges: the clothes were shown as they were modelled. Here a
+        sleeve with edges of 15 mm ends in a cuff whose 40 rings lie 0.25 mm apart."""
         sleeve_rows, cuff_rows = 32, 40
         base = sleeve(42, sleeve_rows + cuff_rows)
         height = np.r_[np.linspace(0.0, 0.98, sleeve_rows, endpoint=False), np.linspace(0.98, 1.0, cuff_rows + 1)]
