@@ -10,7 +10,7 @@ import bmesh
 import bpy
 import numpy as np
 from rumple.blender import compat
-from rumple.blender.objects import mesh_reader
+from rumple.blender.objects import bodies, mesh_reader
 from support import sleeve
 
 FOLLOW, SMOOTH = "Rumple Follow", "Rumple Keep Smooth"
@@ -79,6 +79,26 @@ class Welded(unittest.TestCase):
         self.assertIn("animated: Skin. To change", self.click())
         self.assertEqual(self.obj.rumple.mesh.base_cloth, "HANG")
         np.testing.assert_array_equal(weights(self.obj, SMOOTH), self.skin())
+
+    def test_under_a_jacket(self) -> None:
+        """It was taken for a body, since another garment lies over it. Clicked in any order, each is cloth."""
+        for order in ((0, 1), (1, 0)):
+            with self.subTest(order):
+                self.setUp()
+                mesh = sleeve.tube("Jacket")
+                for vertex in mesh.vertices:
+                    vertex.co.x = 0.15 * sleeve.LENGTH + 0.45 * vertex.co.x
+                    vertex.co.yz *= 1.15
+                jacket = sleeve.skinned(mesh, bpy.data.objects["Arm"], "Jacket")
+                jacket.rumple.mesh.property_unset("base_cloth")
+                figure = self.obj
+                for number in order:
+                    self.obj = (figure, jacket)[number]
+                    self.click()
+                self.assertEqual([obj.rumple.mesh.base_cloth for obj in (figure, jacket)], ["HANG", "HANG"])
+                self.assertEqual([[body.name for body in bodies.of(obj)] for obj in (figure, jacket)], [[], ["Sleeve"]])
+                sleeve.play()
+                self.assertEqual([figure.rumple.message, jacket.rumple.message], ["", ""])
 
     def test_a_collar_stays_pinned(self) -> None:
         """As it is without a map: the shoulder is open here, and cloth."""

@@ -7,8 +7,8 @@ import bpy
 
 from ...core.systems import SYSTEMS
 from ..nodes import wrinkle_tree
-from . import (body_search, cloth_defaults, free_parts, incoming_mesh, made_collections, mesh_reader, painted_skin,
-               properties, rig_scale, tucked_hems)
+from . import (body_search, cloth_defaults, free_parts, incoming_mesh, made_collections, mesh_reader, named_skin,
+               painted_skin, properties, rig_scale, tucked_hems)
 
 
 def set_up(obj: bpy.types.Object, scene: bpy.types.Scene) -> list[str]:
@@ -44,7 +44,7 @@ def _set_cloth(obj: bpy.types.Object, scene: bpy.types.Scene,
     _set_defaults(). Returns what was found, and the materials of the skin that was painted."""
     worn_over, skin = body_search.find(obj, scene), []
     is_sheet = cloth_defaults.is_sheet(obj, worn_over.body)
-    if not worn_over.is_body:
+    if not worn_over.is_body or named_skin.is_dressed(obj):
         cloth_defaults.apply(obj, scene, lengths, is_sheet)
     if cloth_defaults.is_cloth(obj):
         _set_bodies(obj, worn_over)

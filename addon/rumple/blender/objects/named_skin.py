@@ -29,6 +29,11 @@ def faces(obj: bpy.types.Object, base: BaseMesh) -> np.ndarray | None:
     return skin if skin_materials.is_beside_cloth(base, skin) else None
 
 
+def is_dressed(obj: bpy.types.Object) -> bool:
+    """Whether an object has both skin and cloth: a figure in its clothes, also where others are worn over it."""
+    return faces(obj, mesh_reader.base_mesh(obj, "REST_POSE", "")) is not None
+
+
 def materials_of(obj: bpy.types.Object, base: BaseMesh, polygons: np.ndarray) -> list[str]:
     """The names of the materials of some polygons of a base, each once. polygons: (p,) bool."""
     slots = np.unique(_slots(obj, base)[polygons]).tolist()
