@@ -47,10 +47,10 @@ CLIP = {
 # Linear colours of cloth, one after the other; and of skin.
 CLOTH, SKIN = ((0.20, 0.36, 0.52), (0.42, 0.16, 0.13), (0.20, 0.30, 0.22), (0.40, 0.33, 0.22)), (0.62, 0.44, 0.34)
 JEANS = (0.10, 0.13, 0.30)
-# Of clothes that are welded: bones by the starts of their names, and with a larger share of them a face is bare.
-BARE = {"hands": ("lowerarm", "wrist", "finger", "metacarpal"), "head": ("neck", "head", "jaw", "oris", "special"),
-        "feet": ("foot", "toe")}
-MOST_BARE = {"hands": 0.35, "head": 0.4, "feet": 0.5}
+# Of clothes that are welded: bones of the hands, the head and the feet by the starts of their names, and the share of
+# their weights from which on a face is bare.
+BARE = ((("lowerarm", "wrist", "finger", "metacarpal"), 0.35), (("neck", "head", "jaw", "oris", "special"), 0.4),
+        (("foot", "toe"), 0.5))
 WAIST, COLLAR = 0.585, 0.88  # shares of the figure's height
 LIFT, Z_AXIS = 0.008, 2  # metres off the skin
 
@@ -139,7 +139,7 @@ def weld_clothes(body: bpy.types.Object, weights: np.ndarray, bones: list[str]) 
     """Makes faces of a figure those of a shirt and of jeans, with materials of their own, and lifts them off the skin
     around them. weights: (vertices, bones)."""
     mesh = body.data
-    share = {part: weights[:, [bone.startswith(starts) for bone in bones]].sum(axis=1) for part, starts in BARE.items()}
+    shares = [weights[:, [bone.startswith(starts) for bone in bones]].sum(axis=1) / least for starts, least in BARE]
     points, normals = (np.array([getattr(vertex, name) for vertex in mesh.vertices]) for name in ("co", "normal"))
     height = (points[:, Z_AXIS] - points[:, Z_AXIS].min()) / np.ptp(points[:, Z_AXIS])
     lifted = np.ones(len(points), bool)
@@ -148,7 +148,7 @@ def weld_clothes(body: bpy.types.Object, weights: np.ndarray, bones: list[str]) 
     for polygon in mesh.polygons:
         corners = list(polygon.vertices)
         at = height[corners].mean()
-        bare = at > COLLAR or max(share[part][corners].mean() / most for part, most in MOST_BARE.items()) > 1.0
+        bare = at > COLLAR or max(share[corners].mean() for share in shares) > 1.0
         polygon.material_index = 0 if bare else 1 if at > WAIST else 2
         lifted[corners] &= not bare
     mesh.vertices.foreach_set("co", np.float32(points + LIFT * lifted[:, None] * normals).ravel())
