@@ -353,7 +353,7 @@ class Listed(unittest.TestCase):
         obj = sleeve.scene()
         give(obj, uneven(obj))
         runtimes.of(obj).paint = None
-        self.assertTrue(painted_maps._read(obj))
+        self.assertTrue(painted_maps._read_for_panel(obj))
         self.assertAlmostEqual(painted_maps.measured(obj)["radius"][0], float(uneven(obj).mean()), 5)
 
     def test_words(self) -> None:

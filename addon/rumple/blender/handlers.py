@@ -45,6 +45,7 @@ def _handler(function: Callable[..., None]) -> Callable[..., None]:
 
 @_handler
 def _before_frame(scene: bpy.types.Scene, *_arguments: object) -> None:
+    changes.before_frame(scene)
     first_pass.hand_on_coarse(scene)
 
 
@@ -53,6 +54,7 @@ def _on_frame(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
     try:
         _follow(scene, depsgraph)
     finally:
+        changes.after_frame()
         first_pass.show_fine(scene)
 
 

@@ -14,7 +14,7 @@ import numpy as np
 from ...core import engine
 from .. import compat, scheduler
 from ..nodes.output_flags import Flag, set_flag
-from ..objects import (bodies, evaluator, incoming_mesh, mesh_reader, messages, modifier, output_mesh,
+from ..objects import (bodies, evaluator, incoming_mesh, mesh_reader, messages, modifier, output_mesh, painted_maps,
                        posed_coarse, properties, runtimes, units, viewport_mesh, visibility, weight_paint, wind)
 from ..objects.runtimes import Inputs, Runtime
 from ..scheduler import LOCK
@@ -86,7 +86,8 @@ def _note_groups(obj: bpy.types.Object) -> None:
     runtime = runtimes.known(obj)
     if runtime is not None and runtime.groups is not None and runtime.groups != [group.name
                                                                                  for group in obj.vertex_groups]:
-        runtime.groups, runtime.paint, runtime.stale = None, None, True
+        runtime.forget_paint()
+        runtime.groups, runtime.stale = None, True
         scheduler.request(scheduler.DELAY)
 
 
@@ -252,15 +253,14 @@ def _inputs(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier, runtime: 
     if positions is None or bodies.are_busy(obj):
         return None
     body = bodies.read(obj, evaluated, depsgraph)
-    if runtime.paint is None:
-        runtime.paint = mesh_reader.paint(obj, properties.settings_of(obj, units.scene_of(obj)))
+    paint = painted_maps.read(obj)
     # Use the evaluated copy, because it has the right animated settings, also in renders. Lengths are in the units of
     # the scene that the fine mesh was made for, whichever scene is evaluated.
     settings = properties.settings_of(evaluated, units.scene_of(obj))
     world = np.array(evaluated.matrix_world.to_3x3(), np.float32)
     for_viewport = depsgraph.mode == "VIEWPORT"
     uses_proxy = for_viewport and preview.uses_proxy(obj, nodes_mod)
-    return Inputs(units.frame_of(scene), settings, positions, world, runtime.paint,
+    return Inputs(units.frame_of(scene), settings, positions, world, paint,
                   units.frame_rate(scene), uses_proxy,
                   for_viewport and viewport_mesh.is_shown(nodes_mod),
                   for_viewport and weight_paint.needs_coarse(obj), body,

@@ -22,7 +22,7 @@ def settings_changed(obj: bpy.types.Object, affects: str, structural: bool) -> N
     if runtime.evaluator is not None:
         runtime.evaluator.frame_cache.limit_bytes = obj.rumple.memory_limit << 20
     if affects == "PAINT":
-        runtime.paint = None
+        runtime.forget_paint()
     if affects == "BODY":
         bodies.connect_all()  # of all objects: one that was refused because of this one may be valid now
     if structural or modifier.is_baked(modifier.find(obj)):
@@ -33,9 +33,34 @@ def settings_changed(obj: bpy.types.Object, affects: str, structural: bool) -> N
 
 
 # ---------------------------------------------------------------- what an update touched
+_animation_alone = False  # during the evaluation of a frame: whether no vertex group was edited before it
+_missed = False  # whether an update was not looked at since the last frame that was
+
+
+def before_frame(scene: bpy.types.Scene) -> None:
+    """Called before a frame is evaluated. Its updates list an object that is animated like one whose vertex groups were
+    edited. But an edit has already tagged a mesh now."""
+    global _animation_alone
+    graphs = [layer.depsgraph for layer in scene.view_layers]
+    _animation_alone = not _missed and not any(graph is not None and graph.id_type_updated("MESH") for graph in graphs)
+
+
+def after_frame() -> None:
+    """Called after the evaluation that before_frame() announced, and what follows it."""
+    global _animation_alone, _missed
+    _animation_alone = False
+    _missed = _missed and _looks_away()
+
+
+def _looks_away() -> bool:
+    return scheduler.rendering() or scheduler.is_suspended()
+
+
 def note_updates(depsgraph: bpy.types.Depsgraph) -> None:
     """Mark data that must be read again: painted groups, edited meshes, own meshes, materials."""
-    if scheduler.rendering() or scheduler.is_suspended():
+    global _missed
+    if _looks_away():
+        _missed = True
         return
     _note_moved()
     touched = _touched_ids(depsgraph)
@@ -54,10 +79,12 @@ def note_updates(depsgraph: bpy.types.Depsgraph) -> None:
             edited = edited or _restacked(obj, runtime, touched)
             if edited or (own is not None and own.data is not None and compat.session_key(own.data) in touched):
                 runtime.stale = True
-                runtime.paint = None
+                runtime.forget_paint()
                 scheduler.request(scheduler.DELAY)  # once per stroke, at its end: frames follow the brush
             elif runtime.paint and compat.session_key(obj) in touched and not scheduler.playing():
-                runtime.paint = None  # as animation does, a script's vertex_group.add() tags only the object
+                runtime.paint = None
+                if not _animation_alone:
+                    runtime.forget_paint()  # a script's vertex_group.add() lists only the object, as animation does
 
 
 def _note_moved() -> None:

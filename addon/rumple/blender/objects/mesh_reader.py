@@ -181,13 +181,25 @@ def paint_groups(settings: Settings) -> dict[str, str]:
     return MESH_GROUPS
 
 
-def paint(obj: bpy.types.Object, settings: Settings) -> dict[str, np.ndarray]:
-    """All existing painted maps for the solver: (n,) or (n, 3) float32."""
-    names = paint_groups(settings)
-    keys = [key for key, name in names.items() if name in obj.vertex_groups]
-    mesh = incoming_mesh.of(obj)
-    weights = group_weights(obj, mesh, [names[key] for key in keys]) if keys else None
-    painted = {key: np.ascontiguousarray(weights[:, column]) for column, key in enumerate(keys)}
+def painted_groups(obj: bpy.types.Object, settings: Settings) -> list[str]:
+    """The names of the vertex groups that are painted maps, each once."""
+    return [name for name in dict.fromkeys(paint_groups(settings).values()) if name in obj.vertex_groups]
+
+
+def weights_by_name(obj: bpy.types.Object, names: list[str]) -> dict[str, np.ndarray]:
+    """Name of a vertex group -> (n,) float32, as group_weights()."""
+    weights = group_weights(obj, incoming_mesh.of(obj), names) if names else None
+    return {name: np.ascontiguousarray(weights[:, column]) for column, name in enumerate(names)}
+
+
+def paint(obj: bpy.types.Object, settings: Settings,
+          weights: dict[str, np.ndarray] | None = None) -> dict[str, np.ndarray]:
+    """All existing painted maps for the solver: (n,) or (n, 3) float32. weights: weights_by_name() of
+    painted_groups(); None: they are read."""
+    names, mesh = paint_groups(settings), incoming_mesh.of(obj)
+    if weights is None:
+        weights = weights_by_name(obj, painted_groups(obj, settings))
+    painted = {key: weights[name] for key, name in names.items() if name in weights}
     guides = guide_curves.read(obj, lambda: rest_positions(obj, settings.rest_shape, obj.rumple.rest_key))
     if guides is not None:
         guides[:, :3] *= np.float32(rig_scale.of_rest(obj, settings.rest_shape))  # their points

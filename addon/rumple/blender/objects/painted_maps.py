@@ -105,19 +105,18 @@ def _read_due() -> float | None:
     objects = [bpy.data.objects[name] for name in _unread if name in bpy.data.objects]
     _unread.clear()
     with scheduler.LOCK:
-        if any([_read(obj) for obj in objects]):
+        if any([_read_for_panel(obj) for obj in objects]):
             scheduler.redraw_panels_soon()
     return None
 
 
-def _read(obj: bpy.types.Object) -> bool:
-    """Read the painted maps, as a frame does. Returns whether there is something to show."""
+def _read_for_panel(obj: bpy.types.Object) -> bool:
+    """Read the painted maps. Returns whether there is something to show."""
     runtime = runtimes.known(obj)
     if runtime is None or obj.type != "MESH" or mesh_reader.is_busy(obj):
         return False
     try:
-        if runtime.paint is None:
-            runtime.paint = mesh_reader.paint(obj, properties.settings_of(obj, units.scene_of(obj)))
+        read(obj)
     except UserError:
         return False  # the frame reports this error
     return True
@@ -130,6 +129,18 @@ def stop() -> None:
 
 
 # ---------------------------------------------------------------- reading and writing
+def read(obj: bpy.types.Object) -> dict[str, np.ndarray]:
+    """The painted maps for the solver, as mesh_reader.paint(). Only what may have changed is read. Raises UserError."""
+    runtime = runtimes.of(obj)
+    if runtime.paint is None:
+        settings = properties.settings_of(obj, units.scene_of(obj))
+        names = mesh_reader.painted_groups(obj, settings)
+        if runtime.weights is None or runtime.weights.keys() != set(names):
+            runtime.weights = mesh_reader.weights_by_name(obj, names)
+        runtime.paint = mesh_reader.paint(obj, settings, runtime.weights)
+    return runtime.paint
+
+
 def weights(obj: bpy.types.Object, painted: PaintedMap) -> np.ndarray:
     """(n,) float32, per vertex of the object's own mesh: the painted weights, or the neutral weight. Cost: 1 ms per
     1,000 vertices."""
@@ -203,7 +214,8 @@ def remove(obj: bpy.types.Object, painted: PaintedMap) -> None:
 def touch(obj: bpy.types.Object) -> None:
     """Mark the paint as changed: it is read and solved again."""
     runtime = runtimes.of(obj)
-    runtime.paint, runtime.stale = None, True
+    runtime.forget_paint()
+    runtime.stale = True
     obj.data.update()
     obj.update_tag()
     scheduler.request()

@@ -56,6 +56,7 @@ class Runtime(RuntimeBase):
     just_added: bool = False  # by a click, and nothing is visible yet
     built_with: dict[str, Any] = field(default_factory=dict)  # the properties for which `evaluator` was built
     paint: dict[str, np.ndarray] | None = None  # None: must be read again
+    weights: dict[str, np.ndarray] | None = None  # those of its vertex groups, by name; None: likewise
     painted_steps: tuple[tuple[int, str, str], np.ndarray] | None = None  # see weight_paint.py
     shows_coarse: bool = False  # the mesh of output_key shows the coarse mesh, not the folds
     asked_for_coarse: bool = False  # by the last redraw
@@ -80,6 +81,10 @@ class Runtime(RuntimeBase):
     frame_seconds: float = 0.0  # duration of the last solved frame, including what comes before; 0: none
     pose: np.ndarray | None = None  # coarse positions read before a rebuild, for the next solve
 
+    def forget_paint(self) -> None:
+        """Everything that is painted must be read again."""
+        self.paint = self.weights = None
+
     def forget_inputs(self) -> None:
         """The last result is of another evaluator or not visible, so the next update must solve."""
         self.inputs = None
@@ -92,7 +97,7 @@ class Runtime(RuntimeBase):
         super().invalidate_output()
 
     def invalidate(self) -> None:
-        self.paint = None
+        self.forget_paint()
         self.stop_building()
         super().invalidate()
 
