@@ -21,7 +21,7 @@ size_t columns(const SparseRows& rows) {
 rumple_shown_mesh::rumple_shown_mesh(const ShownMesh& shown)
     : mesh(shown),
       source_vertices(columns(shown.vertex_from_source)),
-      source_corners(columns(shown.corner_from_source)) {
+      source_corners(size_t(shown.corner_from_source.columns())) {
     barycentric.reserve(shown.places.size());
     for (const SurfacePoint& place : shown.places) barycentric.push_back({place.b0, place.b1});
 }

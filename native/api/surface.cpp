@@ -165,7 +165,11 @@ struct Table {
     size_t least;  // least number of rows that are read
 };
 
-void carry(const SparseRows& rows, const Table& from, float* out, size_t out_count) {
+// Writes a row of `rows` for every row of the output. row_of(r): its number, and the column that is counted
+// from.
+template <typename RowOf>
+void carry(const SparseRows& rows, Index count, const RowOf& row_of, const Table& from, float* out,
+           size_t out_count) {
     if (from.columns < 1)
         throw InvalidInput("columns: expected at least 1, got " + std::to_string(from.columns));
     values(from.values, from.count, "values");
@@ -174,11 +178,12 @@ void carry(const SparseRows& rows, const Table& from, float* out, size_t out_cou
                            std::to_string(from.count));
     }
     const size_t width = size_t(from.columns);
-    float* to = output<float>(out, out_count, size_t(rows.rows()), "out").data();
-    for (Index r = 0; r < rows.rows(); ++r, to += width) {
+    float* to = output<float>(out, out_count, size_t(count), "out").data();
+    for (Index number = 0; number < count; ++number, to += width) {
         std::fill(to, to + width, 0.0f);
+        const auto [r, first] = row_of(number);
         for (Index k = rows.start[r]; k < rows.start[r + 1]; ++k) {
-            const float* row = &from.values[size_t(rows.index[k]) * width];
+            const float* row = &from.values[size_t(first + rows.index[k]) * width];
             for (size_t c = 0; c < width; ++c) to[c] += rows.weight[k] * row[c];
         }
     }
@@ -191,7 +196,9 @@ rumple_status rumple_shown_mesh_carry_points(const rumple_shown_mesh* mesh, cons
                                              size_t out_count) {
     return guarded([&] {
         const rumple_shown_mesh& m = given(mesh, "mesh");
-        carry(m.mesh.vertex_from_source, {values, values_count, columns, m.source_vertices}, out, out_count);
+        const SparseRows& rows = m.mesh.vertex_from_source;
+        const auto itself = [](Index r) { return std::pair(r, Index(0)); };
+        carry(rows, rows.rows(), itself, {values, values_count, columns, m.source_vertices}, out, out_count);
     });
 }
 
@@ -200,7 +207,10 @@ rumple_status rumple_shown_mesh_carry_corners(const rumple_shown_mesh* mesh, con
                                               size_t out_count) {
     return guarded([&] {
         const rumple_shown_mesh& m = given(mesh, "mesh");
-        carry(m.mesh.corner_from_source, {values, values_count, columns, m.source_corners}, out, out_count);
+        const ShiftedRows& rows = m.mesh.corner_from_source;
+        const auto alike = [&](Index r) { return std::pair(rows.alike[r], rows.first[r]); };
+        carry(rows.different, rows.rows(), alike, {values, values_count, columns, m.source_corners}, out,
+              out_count);
     });
 }
 

@@ -2,7 +2,12 @@
 #include "base/array.h"
 
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <cassert>
+#include <cstdint>
+#include <string>
+#include <unordered_map>
 
 #include "base/stop.h"
 
@@ -15,6 +20,44 @@ SparseRows identity_rows(Index count) {
         rows.end_row();
     }
     return rows;
+}
+
+Index ShiftedRows::columns() const {
+    Index out = 0;
+    for (Index r = 0; r < rows(); ++r) {
+        for (Index k = different.start[alike[r]]; k < different.start[alike[r] + 1]; ++k)
+            out = std::max(out, first[r] + different.index[k] + 1);
+    }
+    return out;
+}
+
+ShiftedRows find_alike(const SparseRows& rows) {
+    ShiftedRows out;
+    out.first.reserve(size_t(rows.rows()));
+    out.alike.reserve(size_t(rows.rows()));
+    std::unordered_map<std::string, Index> known;  // the bytes of a shifted row -> its number
+    std::string bytes;
+    for (Index r = 0; r < rows.rows(); ++r) {
+        stop_if_asked(size_t(r));
+        const auto begin = rows.index.begin() + rows.start[r], end = rows.index.begin() + rows.start[r + 1];
+        const Index first = begin == end ? 0 : *std::min_element(begin, end);
+        bytes.clear();
+        for (Index k = rows.start[r]; k < rows.start[r + 1]; ++k) {
+            const std::array<std::uint32_t, 2> entry{std::uint32_t(rows.index[k] - first),
+                                                     std::bit_cast<std::uint32_t>(rows.weight[k])};
+            bytes.append(reinterpret_cast<const char*>(entry.data()), sizeof(entry));
+        }
+        const auto [at, is_new] = known.try_emplace(bytes, out.different.rows());
+        if (is_new) {
+            for (Index k = rows.start[r]; k < rows.start[r + 1]; ++k)
+                out.different.add(rows.index[k] - first, rows.weight[k]);
+            out.different.end_row();
+        }
+        out.first.push_back(first);
+        out.alike.push_back(at->second);
+    }
+    out.different.fit();
+    return out;
 }
 
 SparseRows compose(const SparseRows& outer, const SparseRows& inner) {

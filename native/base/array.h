@@ -15,6 +15,12 @@ using Index = std::int32_t;
 
 inline constexpr Index kNone = -1;
 
+// Releases the memory that vectors took in advance while they grew: up to half of theirs. For data that
+// stays.
+void fit(auto&... vectors) {
+    (vectors.shrink_to_fit(), ...);
+}
+
 // Rows of a sparse matrix (CSR). Row r owns entries [start[r], start[r + 1]).
 // Used for every linear map between meshes: subdivision stencils, barycentric
 // interpolation, painted weights. Evaluate with apply().
@@ -35,7 +41,23 @@ struct SparseRows {
         for (Index k = from.start[r]; k < from.start[r + 1]; ++k) add(from.index[k], from.weight[k]);
         end_row();
     }
+    void fit() { rumple::fit(start, index, weight); }
 };
+
+// Rows that are alike but for a shift of their columns, as those of the corners of subdivided polygons. A row
+// has 8 bytes, and different ones have their entries once.
+struct ShiftedRows {
+    std::vector<Index> first;  // per row: its lowest column
+    std::vector<Index> alike;  // per row: its row of `different`
+    SparseRows different;      // their columns minus the lowest one
+
+    Index rows() const { return static_cast<Index>(first.size()); }
+    // 1 + the highest column; 0 without entries.
+    Index columns() const;
+};
+
+// The same rows. Cost: about 50 ns per row.
+ShiftedRows find_alike(const SparseRows& rows);
 
 // Row r: column r with weight 1.
 SparseRows identity_rows(Index count);

@@ -8,6 +8,8 @@
 // functions round the double result, so they nearly always return the float nearest to the true value.
 #pragma once
 
+#include <cmath>
+
 namespace rumple::elementary {
 
 // Radians, finite. Beyond 2^20 the angle is reduced modulo the double nearest to 2 pi.
@@ -32,6 +34,14 @@ inline float exp(float x) {
 }
 inline float atan2(float y, float x) {
     return float(atan2(double(y), double(x)));
+}
+// The value of std::floor (0 for -0), without the call of a function that it is for processors without
+// SSE 4.1.
+inline float floor(float x) {
+    constexpr float kIntegersFrom = 0x1p23f;  // floats of this size have no fraction
+    if (!(std::abs(x) < kIntegersFrom)) return x;
+    const float truncated = float(int(x));
+    return truncated > x ? truncated - 1.0f : truncated;
 }
 inline float hypot(float x, float y) {
     return float(hypot(double(x), double(y)));

@@ -16,6 +16,7 @@ namespace rumple::formulas {
 using namespace glm;
 // Lookup finds these before GLM's functions, which are the system's.
 using elementary::cos;
+using elementary::floor;
 using elementary::sin;
 
 #include "shared/pn_triangle.glsl"

@@ -57,6 +57,23 @@ void relax_step(benchmark::State& bench) {
     report(bench, scene);
 }
 
+// A frame of a clip: estimate and ten rounds from the state of the frame before. The pose alternates between
+// two, so that no vertex is asleep.
+void solve_ten_rounds(benchmark::State& bench) {
+    Scene scene(Index(bench.range(0)), Index(bench.range(1)), int(bench.range(2)));
+    scene.settings.rounds = 10;
+    std::vector<Vec3> poses[2] = {scene.pose, scene.pose};
+    for (Vec3& p : poses[1]) p.x *= 0.95f;
+    Report unused;
+    State state = solve(*scene.model, scene.settings, {}, scene.pose, nullptr, unused);
+    size_t frame = 0;
+    for (auto _ : bench) {
+        state = solve(*scene.model, scene.settings, {}, poses[++frame % 2], &state, unused);
+        benchmark::DoNotOptimize(state.phase.data());
+    }
+    report(bench, scene);
+}
+
 // As in the add-on, with keep_length and dissolve: only the field, or also the fine mesh.
 void shown_frame(benchmark::State& bench, bool fine_mesh) {
     Plan plan;
@@ -114,6 +131,7 @@ BENCHMARK(estimate_step)->Name("WrinkleField/EstimateWaves/OneThread")->Apply(on
 BENCHMARK(estimate_step)->Name("WrinkleField/EstimateWaves/AllThreads")->Apply(all_threads);
 BENCHMARK(relax_step)->Name("WrinkleField/RelaxOneRound/OneThread")->Apply(one_thread);
 BENCHMARK(relax_step)->Name("WrinkleField/RelaxOneRound/AllThreads")->Apply(all_threads);
+BENCHMARK(solve_ten_rounds)->Name("WrinkleField/SolveTenRounds/OneThread")->Apply(one_thread);
 BENCHMARK(keep_length_step)->Name("WrinkleField/KeepLength/OneThread")->Apply(one_thread);
 BENCHMARK(shown_waves_frame)->Name("WrinkleField/ShownWaves/OneThread")->Apply(fine_mesh);
 BENCHMARK(show_geometry)->Name("WrinkleField/ShowGeometry/OneThread")->Apply(fine_mesh);

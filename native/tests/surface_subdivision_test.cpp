@@ -250,5 +250,45 @@ TEST(SparseRows, ComposeDropsExactZerosAndKeepsEmptyRows) {
     EXPECT_EQ(both.weight, (std::vector<float>{-2.0f}));
 }
 
+// --- find_alike() ---
+
+SparseRows written_out(const ShiftedRows& rows) {
+    SparseRows out;
+    for (Index r = 0; r < rows.rows(); ++r) {
+        const Index number = rows.alike[r];
+        for (Index k = rows.different.start[number]; k < rows.different.start[number + 1]; ++k)
+            out.add(rows.first[r] + rows.different.index[k], rows.different.weight[k]);
+        out.end_row();
+    }
+    return out;
+}
+
+TEST(SparseRows, AlikeRowsAreStoredOnce) {
+    SparseRows rows;
+    rows.add(2, 0.5f), rows.add(3, 0.25f), rows.end_row();
+    rows.end_row();
+    rows.add(7, 0.5f), rows.add(8, 0.25f), rows.end_row();   // the first row, shifted by 5
+    rows.add(7, 0.5f), rows.add(9, 0.25f), rows.end_row();   // other columns
+    rows.add(7, 0.5f), rows.add(8, 0.125f), rows.end_row();  // another weight
+    rows.add(3, 0.25f), rows.add(2, 0.5f),
+        rows.end_row();  // another order, in which sums may round differently
+    rows.end_row();
+    const ShiftedRows found = find_alike(rows);
+    EXPECT_EQ(found.first, (std::vector<Index>{2, 0, 7, 7, 7, 2, 0}));
+    EXPECT_EQ(found.alike, (std::vector<Index>{0, 1, 0, 2, 3, 4, 1}));
+    EXPECT_EQ(found.columns(), 10);
+    EXPECT_EQ(find_alike({}).columns(), 0);
+}
+
+TEST(SparseRows, CornersOfASubdividedMeshAreAFewRows) {
+    const SparseRows corners = refine_subdivision(build(grid(12, 12, 0.1f)).welded, 2).corner_from_parent;
+    const ShiftedRows found = find_alike(corners);
+    const SparseRows same = written_out(found);
+    EXPECT_EQ(same.start, corners.start);
+    EXPECT_EQ(same.index, corners.index);
+    EXPECT_EQ(same.weight, corners.weight);
+    EXPECT_LT(10 * found.different.rows(), found.rows());
+}
+
 }  // namespace
 }  // namespace rumple::tests

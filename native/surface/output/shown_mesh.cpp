@@ -149,6 +149,7 @@ Attachments attach_refined(const Surface& base, const FineSource& source, const 
         attachments.limit = source.kind == FineSource::Kind::kSubdivision
                                 ? subdivision_stencils(base.welded, source.level, true)
                                 : limit_stencils(base, attachments.places);
+        attachments.limit.fit();
     }
     return attachments;
 }
@@ -176,7 +177,7 @@ std::vector<Index> unweld_and_locate(const Surface& base, const Surface& source,
     }
     shown.mesh = std::move(open.mesh);
     shown.vertex_from_source = std::move(open.vertex_from_display);
-    shown.corner_from_source = std::move(whole.corner_from_parent);
+    shown.corner_from_source = find_alike(whole.corner_from_parent);
     shown.polygon_source = std::move(whole.polygon_parent);
     stop_if_asked();
     collect_edge_sources(shown, source.display);
@@ -203,6 +204,7 @@ ShownMesh show_fine(const Surface& base, const Surface& source, const FineMesh& 
     for (const SurfacePoint& place : shown.places) {
         shown.embedding.push_back(display_vertices(base, place.triangle));
     }
+    shown.fit();
     return shown;
 }
 
@@ -227,12 +229,13 @@ ShownMesh show_triangles(const Surface& base) {
     }
     shown.vertex_from_source = identity_rows(vertices);
     const Index triangles = static_cast<Index>(base.triangles.size());
+    SparseRows corners;
     for (Index t = 0; t < triangles; ++t) {
         const std::array<Index, 3> vertex = display_vertices(base, t);
         for (int k = 0; k < 3; ++k) {
             shown.mesh.corner_vertex.push_back(vertex[k]);
-            shown.corner_from_source.add(base.triangles[t].corner[k], 1.0f);
-            shown.corner_from_source.end_row();
+            corners.add(base.triangles[t].corner[k], 1.0f);
+            corners.end_row();
             SurfacePoint& place = shown.places[vertex[k]];
             if (place.triangle != kNone) continue;
             place = {t, k == 1 ? 1.0f : 0.0f, k == 2 ? 1.0f : 0.0f};
@@ -241,7 +244,9 @@ ShownMesh show_triangles(const Surface& base) {
         shown.mesh.polygon_start.push_back(shown.mesh.corners());
         shown.polygon_source.push_back(base.triangles[t].polygon);
     }
+    shown.corner_from_source = find_alike(corners);
     collect_edge_sources(shown, base.display);
+    shown.fit();
     return shown;
 }
 

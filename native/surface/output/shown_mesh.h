@@ -44,13 +44,20 @@ struct ShownMesh {
     PolygonMesh mesh;
     SparseRows from_solved;                       // smooth positions <- solved vertices
     SparseRows vertex_from_source;                // linear, source vertices (as the artist has them)
-    SparseRows corner_from_source;                // linear, source corners: UV seams stay sharp
+    ShiftedRows corner_from_source;               // linear, source corners: UV seams stay sharp
     std::vector<Index> polygon_source;            // source polygon
     std::vector<SurfacePoint> places;             // on the base; kNone for a loose vertex
     std::vector<std::array<Index, 3>> embedding;  // the base's vertices (as the artist has them) around each
     std::vector<Vec3> positions_rest;             // object space
     std::vector<std::array<Index, 2>> edges;      // shown edges that lie on a source edge ...
     std::vector<std::array<Index, 2>> edge_sources;  // ... and that edge's vertices
+
+    // After it is made.
+    void fit() {
+        from_solved.fit();
+        vertex_from_source.fit();
+        rumple::fit(polygon_source, places, embedding, positions_rest, edges, edge_sources);
+    }
 };
 
 // fine: the solved mesh, made from source.welded. steps: unsolved subdivisions of it. solved_rest: its

@@ -252,6 +252,7 @@ SparseRows vertex_limit_stencils(const Surface& surface) {
             rows.end_row();
         }
     }
+    rows.fit();
     return rows;
 }
 

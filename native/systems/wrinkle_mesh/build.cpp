@@ -173,6 +173,8 @@ Pairs in_sweep_order(const std::vector<Pair>& pairs, const RowPairs& rows, const
     std::iota(order.begin(), order.end(), 0);
     std::ranges::stable_sort(order, {}, [&](Index i) { return std::tuple(group[i], colour[i], rows[i][0]); });
     Pairs out;
+    for (std::vector<Index>* ends : {&out.a, &out.b, &out.row_a, &out.row_b}) ends->reserve(order.size());
+    out.rest.reserve(order.size());
     std::vector<Index> group_of, colour_of;
     for (const Index i : order) {
         out.a.push_back(a[i]);
