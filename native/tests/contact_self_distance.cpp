@@ -6,6 +6,7 @@
 
 #include "surface/contact/self_distance.h"
 #include "systems/wrinkle_mesh/layers.h"
+#include "systems/wrinkle_mesh/pose.h"
 #include "tests/refusals.h"
 #include "tests/wrinkle_mesh_cloth.h"
 
@@ -185,13 +186,14 @@ TEST(SelfDistance, AVertexMovesAtMostByAShareOfTheGap) {
     const LayersState free =
         wrinkle_mesh::solve(*u.layers, u.settings(0.0f), paint, {u.pose}, nullptr, reports);
     const auto farthest = [&](const LayersState& solved) {
-        Picture picture;
-        wrinkle_mesh::show(drape, settings[0], {u.pose}, solved.layers[0], picture);
+        const Input input{u.pose};
+        const std::vector<Vec3> positions = wrinkle_mesh::solved_positions(
+            drape, settings[0], input, wrinkle_mesh::make_pose(drape, input), solved.layers[0]);
         float most = 0.0f;
         for (size_t v = 0; v < u.pose.size(); ++v) {
             const float s = u.mesh.positions[v].x - 0.5f * kEdge * U::kAlong;
             if (std::abs(s) < 4.0f * kEdge) continue;  // straight above one another
-            most = std::max(most, glm::distance(picture.positions[v], u.pose[v]));
+            most = std::max(most, glm::distance(positions[v], u.pose[v]));
         }
         return most;
     };

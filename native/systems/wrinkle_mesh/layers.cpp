@@ -277,7 +277,7 @@ std::shared_ptr<const Layers> build_layers(Surface base, Index levels, Index dis
         if (level > 0) fine = compose(refine_subdivision(on.welded, 1), fine);
         // The base mesh is the cage of the subdivision, so its vertices keep their places.
         const AttachmentKind kind = level > 0 ? AttachmentKind::kLimit : AttachmentKind::kLinear;
-        out->layers.push_back(build(std::move(on), source, kind, 0));
+        out->layers.push_back(build_unshown(std::move(on), source, kind));
     }
     const auto add_what_is_solved = [&] {
         for (const auto& layer : out->layers) {
