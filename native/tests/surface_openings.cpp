@@ -80,6 +80,42 @@ TEST(Openings, WhatLiesIsNotHeldNorOneOfManySheets) {
         for (const float weight : held(mesh)) EXPECT_EQ(weight, 0.0f);
 }
 
+// A tube along y, 1 m high, whose ends are closed.
+MeshData closed_tube() {
+    MeshData mesh = tube(16, 40, 0.1f, 1.0f);
+    for (Vec3& p : mesh.positions) p = {p.y, p.x, p.z};
+    const auto last = static_cast<Index>(mesh.positions.size()) - 16;
+    for (Index k = 0; k < 7; ++k) {
+        mesh.add_polygon({15 - k, 14 - k, k + 1, k});
+        mesh.add_polygon({last + k, last + k + 1, last + 14 - k, last + 15 - k});
+    }
+    return mesh;
+}
+
+// Trousers of games, closed at the waist and at the hems.
+TEST(Openings, AGarmentWithoutAnOpeningIsHeldByItsUpperEnd) {
+    const MeshData trousers = closed_tube();
+    ASSERT_EQ(openings(trousers), 0);
+    const std::vector<float> follow = held(trousers);
+    const float highest = 1.0f, diagonal = std::sqrt(1.0f + 2.0f * 0.2f * 0.2f);
+    for (size_t v = 0; v < follow.size(); ++v) {
+        const float below = highest - trousers.positions[v].y;
+        if (below < 0.099f * diagonal) {
+            EXPECT_EQ(follow[v], 1.0f) << v;
+        } else if (below > 0.171f * diagonal) {
+            EXPECT_EQ(follow[v], 0.0f) << v;
+        }
+    }
+}
+
+TEST(Openings, AClosedPartOfAGarmentIsNotHeld) {
+    MeshData pouch = closed_tube();
+    for (Vec3& p : pouch.positions) p *= 0.2f;
+    const MeshData sleeve = tube(32, 60, 0.1f, 1.0f);  // along x: its ends are held
+    const std::vector<float> follow = held(with_part(sleeve, pouch, {0.5f, 0.0f, 0.3f}));
+    for (size_t v = sleeve.positions.size(); v < follow.size(); ++v) EXPECT_EQ(follow[v], 0.0f) << v;
+}
+
 TEST(Openings, PartsAreLookedAtOneByOne) {
     const MeshData cape = grid(8, 8, 0.1f), sleeve = tube(16, 8, 0.05f, 0.5f);
     EXPECT_EQ(openings(with_part(cape, sleeve, {0.0f, 0.0f, 2.0f})), 2);

@@ -23,9 +23,10 @@ constexpr float kSleeveHeld = 0.4f, kLegHeld = 0.01f;
 // If it was not held at all, a foot went through the cloth in a jump.
 constexpr float kLowest = 0.1f;
 
-// The outline of a hanging sheet is held from its highest point down to this share of its diagonal. A sheet
-// that lies flat (a blanket), with a height of less than kHangs of the diagonal, has no upper end.
-constexpr float kSheetHeld = 0.06f, kHangs = 0.25f;
+// The outline of a hanging sheet is held from its highest point down to kUpperEnd of its diagonal, a garment
+// without a border to kClosedEnd: its closed end goes some way into what it is worn with. What lies flat (a
+// blanket), with a height of less than kHangs of the diagonal, has no upper end.
+constexpr float kUpperEnd = 0.06f, kClosedEnd = 0.1f, kHangs = 0.25f;
 
 // The hold of a border fades out over this share of the part's diagonal.
 constexpr float kFade = 0.07f;
@@ -61,15 +62,32 @@ const Border* find_sheet(const Borders& borders) {
     return found == borders.all.end() ? nullptr : &*found;
 }
 
-// The vertices that hold a sheet; none if it lies flat.
-std::vector<Index> find_upper_end(const Surface& surface, const Border& outline, float diagonal,
-                                  const Vec3& up) {
+// The vertices of a garment if more than half of them are a part without a border, as trousers of games whose
+// ends are closed; else none.
+std::vector<Index> find_closed(const Borders& borders) {
+    std::vector<Index> vertices(size_t(borders.parts), 0);
+    for (const Index part : borders.part)
+        if (part != kNone) ++vertices[size_t(part)];
+    for (const Border& border : borders.all) vertices[size_t(border.part)] = 0;
+    std::vector<Index> out;
+    for (size_t v = 0; v < borders.part.size(); ++v) {
+        const Index part = borders.part[v];
+        if (part != kNone && 2 * size_t(vertices[size_t(part)]) > borders.part.size())
+            out.push_back(static_cast<Index>(v));
+    }
+    return out;
+}
+
+// Those of some vertices that hold the others, down to `end`; none if these lie flat. end: a share of the
+// diagonal of their part.
+std::vector<Index> find_upper_end(const Surface& surface, std::span<const Index> vertices, float end,
+                                  float diagonal, const Vec3& up) {
     const auto height = [&](Index v) { return glm::dot(surface.positions_rest[v], up); };
-    const auto [lowest, highest] = std::ranges::minmax_element(outline.vertices, {}, height);
+    const auto [lowest, highest] = std::ranges::minmax_element(vertices, {}, height);
     std::vector<Index> upper;
     if (height(*highest) - height(*lowest) < kHangs * diagonal) return upper;
-    for (const Index v : outline.vertices)
-        if (height(v) >= height(*highest) - kSheetHeld * diagonal) upper.push_back(v);
+    for (const Index v : vertices)
+        if (height(v) >= height(*highest) - end * diagonal) upper.push_back(v);
     return upper;
 }
 
@@ -93,10 +111,14 @@ std::vector<float> suggest_follow(const Surface& surface, const Vec3& up) {
         const float firmly = top ? 1.0f : held_by_width(border.radius / size, low);
         if (size > 0.0f && firmly > 0.0f) hold(border.vertices, firmly, kFade * size, graph, follow);
     }
-    if (const Border* sheet = find_sheet(borders)) {
-        const float size = borders.diagonal[sheet->part];
-        hold(find_upper_end(surface, *sheet, size, up), 1.0f, kFade * size, graph, follow);
-    }
+    const auto hold_upper_end = [&](std::span<const Index> vertices, float end) {
+        const float size = borders.diagonal[borders.part[vertices.front()]];
+        if (size <= 0.0f) return;
+        hold(find_upper_end(surface, vertices, end, size, up), 1.0f, kFade * size, graph, follow);
+    };
+    if (const Border* sheet = find_sheet(borders)) hold_upper_end(sheet->vertices, kUpperEnd);
+    const std::vector<Index> closed = find_closed(borders);
+    if (!closed.empty()) hold_upper_end(closed, kClosedEnd);
     std::vector<float> out;
     for (const Index welded : surface.welded_of) out.push_back(follow[welded]);
     return out;

@@ -11,8 +11,9 @@ namespace rumple {
 // How firmly every display vertex follows the animation, 0 (free) to 1 (pinned), derived from the open
 // borders at rest. The highest border is pinned (a collar, a waistband). Narrow ones are pinned partly (a
 // cuff at the wrist completely, a short sleeve a little, a leg of trousers hardly). Wide ones are free (a
-// hem). For a sheet (a cape, a scarf) the upper end of the outline is pinned. The value fades out over a part
-// of the garment's size. Each connected part is treated separately.
+// hem). For a sheet (a cape, a scarf) the upper end of the outline is pinned, for a garment without a border
+// (trousers of games with closed ends) its upper end. The value fades out over a part of the garment's size.
+// Each connected part is treated separately.
 //   up: unit, object space at rest.
 // Cost: O(edges log edges).
 std::vector<float> suggest_follow(const Surface& surface, const Vec3& up);

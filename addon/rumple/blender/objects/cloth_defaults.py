@@ -11,7 +11,7 @@ from mathutils.kdtree import KDTree
 from ...core import flared, outer_side, transforms, wrinkle_field, wrinkle_mesh, wrinkle_paths
 from ...core.base_mesh import BaseMesh
 from .. import compat
-from . import incoming_mesh, mesh_reader, modifier, named_skin, properties, rig_scale, runtimes, units
+from . import closed_garments, incoming_mesh, mesh_reader, modifier, named_skin, properties, rig_scale, runtimes, units
 
 # Their result is already cloth: its small compressions come from the simulation.
 SIMULATED = frozenset(("CLOTH", "SOFT_BODY", "MESH_CACHE", "MESH_SEQUENCE_CACHE"))
@@ -46,7 +46,7 @@ def defaults(obj: bpy.types.Object, scene: bpy.types.Scene, sheet: bool = False)
     base = cloth_at_rest(obj)
     if not len(base.triangle_corner):
         return {}
-    if not sheet and not wrinkle_mesh.suits_cloth(base):
+    if not (sheet or wrinkle_mesh.suits_cloth(base) or closed_garments.is_one(obj, scene, base)):
         return {}
     metres = rig_scale.metres_at_rest(obj, scene)
     values = wrinkle_mesh.cloth_defaults(base, metres, _turn(obj), sheet)
@@ -55,6 +55,12 @@ def defaults(obj: bpy.types.Object, scene: bpy.types.Scene, sheet: bool = False)
     of_folds = wrinkle_paths.cloth_defaults(base, metres) if method == "PATHS" else wrinkle_field.CLOTH_DEFAULTS
     of_cloth = ("base_cloth", "up", "room", "slide_room", "free_room", "thickness")
     return {name: values[name] for name in of_cloth} | of_folds
+
+
+def is_closed(obj: bpy.types.Object, scene: bpy.types.Scene) -> bool:
+    """Whether a garment has no openings, because its ends are closed."""
+    base = cloth_at_rest(obj)
+    return not wrinkle_mesh.suits_cloth(base) and closed_garments.is_one(obj, scene, base)
 
 
 def is_sheet(obj: bpy.types.Object, body: bpy.types.Object | None) -> bool:

@@ -3,6 +3,8 @@
 can be changed afterwards."""
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import bpy
 
 from ...core.systems import SYSTEMS
@@ -16,8 +18,8 @@ def set_up(obj: bpy.types.Object, scene: bpy.types.Scene) -> list[str]:
     messages about them."""
     lengths = _set_defaults(obj, scene)
     with incoming_mesh.whole(body_search.candidates(obj, scene)):
-        worn_over, skin = _set_cloth(obj, scene, lengths)
-    return _notes(obj, scene, worn_over, skin)
+        found = _set_cloth(obj, scene, lengths)
+        return _notes(obj, scene, found)
 
 
 def _set_defaults(obj: bpy.types.Object, scene: bpy.types.Scene) -> set[str]:
@@ -38,20 +40,29 @@ def _set_defaults(obj: bpy.types.Object, scene: bpy.types.Scene) -> set[str]:
     return lengths
 
 
-def _set_cloth(obj: bpy.types.Object, scene: bpy.types.Scene,
-               lengths: set[str]) -> tuple[body_search.WornOver, list[str]]:
+class _Found(NamedTuple):
+    """What _set_cloth() found."""
+
+    worn_over: body_search.WornOver
+    skin: list[str]  # materials of the skin that was painted
+    closed: bool  # whether it is cloth whose ends are closed
+
+
+def _set_cloth(obj: bpy.types.Object, scene: bpy.types.Scene, lengths: set[str]) -> _Found:
     """Set the cloth settings if the object is a garment, find its bodies, and paint its maps. lengths: from
-    _set_defaults(). Returns what was found, and the materials of the skin that was painted."""
-    worn_over, skin = body_search.find(obj, scene), []
+    _set_defaults()."""
+    worn_over, skin, closed = body_search.find(obj, scene), [], False
     is_sheet = cloth_defaults.is_sheet(obj, worn_over.body)
     if not worn_over.is_body or named_skin.is_dressed(obj):
         cloth_defaults.apply(obj, scene, lengths, is_sheet)
     if cloth_defaults.is_cloth(obj):
-        _set_bodies(obj, worn_over)
+        closed = not is_sheet and cloth_defaults.is_closed(obj, scene)
+        if not closed:  # what goes into a closed end would push the end out of itself
+            _set_bodies(obj, worn_over)
         skin = painted_skin.paint(obj)
         free_parts.give_room(obj, scene, worn_over.trees, is_sheet, "room" not in lengths)
         tucked_hems.paint(obj, scene, worn_over.trees_over(), is_sheet)
-    return worn_over, skin
+    return _Found(worn_over, skin, closed)
 
 
 def _set_bodies(obj: bpy.types.Object, found: body_search.WornOver) -> None:
@@ -67,13 +78,16 @@ def _set_bodies(obj: bpy.types.Object, found: body_search.WornOver) -> None:
         about.looks_again = found.body is None and not found.garments
 
 
-def _notes(obj: bpy.types.Object, scene: bpy.types.Scene, worn_over: body_search.WornOver,
-           skin: list[str]) -> list[str]:
-    """What the artist should know: what is not made cloth, and why. worn_over, skin: from _set_cloth()."""
-    if skin:
-        names = ", ".join(skin)
+def _notes(obj: bpy.types.Object, scene: bpy.types.Scene, found: _Found) -> list[str]:
+    """What the artist should know: what is not made cloth, and why."""
+    worn_over = found.worn_over
+    if found.skin:
+        names = ", ".join(found.skin)
         return [f"{obj.name}: by their names, these materials are not cloth, and stay as they are animated: {names}. "
                 "To change that, paint Pinned and Keep Smooth"]
+    if found.closed:
+        return [f"{obj.name}: its ends are closed, so it is cloth that is held by its upper end, without a body. If it "
+                "is not cloth, set Base Cloth to Off"]
     if cloth_defaults.is_cloth(obj) or properties.group_of(obj).is_property_set("base_cloth"):
         return []
     if worn_over.is_body and cloth_defaults.defaults(obj, scene):

@@ -1,0 +1,73 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Which meshes without an opening are garments."""
+from __future__ import annotations
+
+import unittest
+from dataclasses import replace
+
+import numpy as np
+from rumple.core.base_mesh import BaseMesh
+from rumple.core.closed_garment import is_closed_garment
+from support.meshes import quad_mesh, tube
+
+UP = np.array((0.0, 0.0, 1.0))
+
+
+def trousers(closed: bool = True) -> BaseMesh:
+    """A tube of 1 m along Z with its lower end at 0.1 m, for a figure of 1.8 m. closed: its ends are."""
+    base = tube(12, 20, 0.15, 1.0)
+    points = base.positions - base.positions.min(axis=0) + np.float32((-0.15, -0.15, 0.1))
+    quads = base.corner_vertex.reshape(-1, 4)
+    if closed:
+        for ring in (points[:, 2] < 0.101, points[:, 2] > 1.099):
+            order = np.flatnonzero(ring)[np.argsort(np.arctan2(points[ring, 1], points[ring, 0]))]
+            half = len(order) // 2
+            strips = [(order[k], order[k + 1], order[-k - 2], order[-k - 1]) for k in range(half - 1)]
+            quads = np.concatenate([quads, np.array(strips, quads.dtype)])
+    return quad_mesh("Trousers", points, quads)
+
+
+def bent(base: BaseMesh) -> np.ndarray:
+    """Weights of two bones: thigh and shin."""
+    upper = (base.positions[:, 2] > 0.6).astype(np.float32)
+    return np.stack([upper, 1.0 - upper], axis=1)
+
+
+class Closed(unittest.TestCase):
+
+    def setUp(self) -> None:
+        self.base = trousers()
+        self.rest = np.array([(0.0, 0.0, 0.0), (0.0, 0.0, 1.8)], np.float32)  # feet and a head
+        self.weights = bent(self.base)
+
+    def is_one(self, **changed: object) -> bool:
+        arguments = dict(base=self.base, others=self.rest, up=UP, weights=self.weights) | changed
+        return is_closed_garment(**arguments)
+
+    def test_trousers_with_closed_ends_below_a_head(self) -> None:
+        self.assertTrue(self.is_one())
+
+    def test_an_opening_makes_it_a_question_for_others(self) -> None:
+        self.assertFalse(self.is_one(base=trousers(closed=False)))
+
+    def test_a_whole_body_is_none(self) -> None:
+        """Its hair is above it, but by less than a head."""
+        self.assertFalse(self.is_one(others=np.array([(0.0, 0.0, 0.1), (0.0, 0.0, 1.15)], np.float32)))
+
+    def test_alone_it_is_none(self) -> None:
+        self.assertFalse(self.is_one(others=np.zeros((0, 3), np.float32)))
+
+    def test_a_boot_is_none(self) -> None:
+        self.assertFalse(self.is_one(base=replace(self.base, positions=np.float32(0.5) * self.base.positions)))
+
+    def test_what_does_not_bend_is_none(self) -> None:
+        self.assertFalse(self.is_one(weights=self.weights[:, :1]))
+        self.assertFalse(self.is_one(weights=np.zeros((len(self.weights), 0), np.float32)))
+
+    def test_up_is_where_the_world_has_it(self) -> None:
+        """A mesh in centimetres that lies, as in files of games."""
+        turned = np.stack([self.base.positions[:, 0], self.base.positions[:, 2], self.base.positions[:, 1]], axis=1)
+        lying = replace(self.base, positions=np.float32(100.0) * turned)
+        others = np.float32(100.0) * self.rest[:, (0, 2, 1)]
+        self.assertTrue(self.is_one(base=lying, others=others, up=np.array((0.0, 0.01, 0.0))))
+        self.assertFalse(self.is_one(base=lying, others=others, up=np.array((0.0, -0.01, 0.0))))
