@@ -63,6 +63,13 @@ class Closed(unittest.TestCase):
     def test_what_does_not_bend_is_none(self) -> None:
         self.assertFalse(self.is_one(weights=self.weights[:, :1]))
         self.assertFalse(self.is_one(weights=np.zeros((len(self.weights), 0), np.float32)))
+        self.assertFalse(self.is_one(weights=self.weights * np.float32((0.0, 1.0))), "no bone moves the upper half")
+
+    def test_a_vertex_that_is_nowhere(self) -> None:
+        """The build reports it."""
+        points = self.base.positions.copy()
+        points[3] = np.nan
+        self.assertFalse(self.is_one(base=replace(self.base, positions=points)))
 
     def test_up_is_where_the_world_has_it(self) -> None:
         """A mesh in centimetres that lies, as in files of games."""

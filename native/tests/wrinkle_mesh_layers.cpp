@@ -47,6 +47,13 @@ TEST(WrinkleMeshLayers, AtRestNothingMoves) {
     }
 }
 
+// Half of the memory of a garment went into pictures of single layers, which nobody asks for.
+TEST(WrinkleMeshLayers, KeepNoPictureOfTheirOwn) {
+    const Stack stack(tube(12, 8, 0.1f, 0.5f));
+    for (const auto& layer : stack.layers->layers) EXPECT_TRUE(layer->shown.places.empty());
+    EXPECT_FALSE(stack.layers->shown.places.empty());
+}
+
 TEST(WrinkleMeshLayers, WithoutRadiusTheyAreOneLimitSurfaceOnTheOther) {
     Settings still;
     still.radius = 0.0f;

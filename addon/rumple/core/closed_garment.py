@@ -20,7 +20,7 @@ def is_closed_garment(base: BaseMesh, others: np.ndarray, up: np.ndarray, weight
     """Whether more than half of a mesh at rest is a part without an opening that is as large as trousers, bends, and
     has other objects of the figure above it. others: (m, 3) the vertices of these objects, in the object space of the
     mesh. up: (3,) there. weights: (v, bones) of its first v vertices. Cost: about 0.1 s for 50,000 vertices."""
-    if not len(base.triangle_corner) or not len(others):
+    if not (len(base.triangle_corner) and len(others) and np.isfinite(base.positions).all()):
         return False
     place = places(base.positions)
     part = parts(base, place)
@@ -31,6 +31,11 @@ def is_closed_garment(base: BaseMesh, others: np.ndarray, up: np.ndarray, weight
     own, of_others = base.positions[part == main] @ up, others @ up
     height = max(own.max(), of_others.max()) - min(own.min(), of_others.min())
     size = found.diagonal[main] * float(np.linalg.norm(up))
-    moved = np.bincount(weights.argmax(axis=1), minlength=1) if weights.size else np.zeros(1)
-    return bool(size >= LEAST_SIZE * height and of_others.max() - own.max() >= LEAST_ABOVE * height
-                and (moved >= LEAST_SHARE * len(weights)).sum() >= LEAST_BONES)
+    return bool(size >= LEAST_SIZE * height and of_others.max() - own.max() >= LEAST_ABOVE * height and _bends(weights))
+
+
+def _bends(weights: np.ndarray) -> bool:
+    if not weights.size:
+        return False
+    bone = weights.argmax(axis=1)[weights.max(axis=1) > 0.0]
+    return bool((np.bincount(bone, minlength=1) >= LEAST_SHARE * len(weights)).sum() >= LEAST_BONES)

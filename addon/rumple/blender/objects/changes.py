@@ -49,17 +49,17 @@ def after_frame() -> None:
     """Called after the evaluation that before_frame() announced, and what follows it."""
     global _animation_alone, _missed
     _animation_alone = False
-    _missed = _missed and _looks_away()
+    _missed = _missed and _ignores_updates()
 
 
-def _looks_away() -> bool:
+def _ignores_updates() -> bool:
     return scheduler.rendering() or scheduler.is_suspended()
 
 
 def note_updates(depsgraph: bpy.types.Depsgraph) -> None:
     """Mark data that must be read again: painted groups, edited meshes, own meshes, materials."""
     global _missed
-    if _looks_away():
+    if _ignores_updates():
         _missed = True
         return
     _note_moved()
