@@ -47,7 +47,7 @@ TEST(WrinkleMeshLayers, AtRestNothingMoves) {
     }
 }
 
-// Half of the memory of a garment went into pictures of single layers, which nobody asks for.
+// Pictures of single layers, which nobody asks for, took a quarter of the memory of a garment.
 TEST(WrinkleMeshLayers, KeepNoPictureOfTheirOwn) {
     const Stack stack(tube(12, 8, 0.1f, 0.5f));
     for (const auto& layer : stack.layers->layers) EXPECT_TRUE(layer->shown.places.empty());

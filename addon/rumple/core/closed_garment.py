@@ -16,10 +16,10 @@ LEAST_ABOVE = 0.1
 LEAST_BONES, LEAST_SHARE = 2, 0.05  # it bends: so many bones each move at least this share of its vertices
 
 
-def is_closed_garment(base: BaseMesh, others: np.ndarray, up: np.ndarray, weights: np.ndarray) -> bool:
-    """Whether more than half of a mesh at rest is a part without an opening that is as large as trousers, bends, and
-    has other objects of the figure above it. others: (m, 3) the vertices of these objects, in the object space of the
-    mesh. up: (3,) there. weights: (v, bones) of its first v vertices. Cost: about 0.1 s for 50,000 vertices."""
+def is_closed_garment(base: BaseMesh, others: np.ndarray, up: np.ndarray) -> bool:
+    """Whether more than half of a mesh at rest is a part without an opening that is as large as trousers and has other
+    objects of the figure above it. others: (m, 3) the vertices of these objects, in the object space of the mesh. up:
+    (3,) there. Cost: about 0.1 s for 50,000 vertices."""
     if not (len(base.triangle_corner) and len(others) and np.isfinite(base.positions).all()):
         return False
     place = places(base.positions)
@@ -31,10 +31,11 @@ def is_closed_garment(base: BaseMesh, others: np.ndarray, up: np.ndarray, weight
     own, of_others = base.positions[part == main] @ up, others @ up
     height = max(own.max(), of_others.max()) - min(own.min(), of_others.min())
     size = found.diagonal[main] * float(np.linalg.norm(up))
-    return bool(size >= LEAST_SIZE * height and of_others.max() - own.max() >= LEAST_ABOVE * height and _bends(weights))
+    return bool(size >= LEAST_SIZE * height and of_others.max() - own.max() >= LEAST_ABOVE * height)
 
 
-def _bends(weights: np.ndarray) -> bool:
+def bends(weights: np.ndarray) -> bool:
+    """Whether several bones move a mesh. weights: (n, bones) of its vertices."""
     if not weights.size:
         return False
     bone = weights.argmax(axis=1)[weights.max(axis=1) > 0.0]
