@@ -26,12 +26,16 @@ class Closed(unittest.TestCase):
         work.free()
         for name in ("Arm", "Human", "Sleeve"):
             bpy.data.objects[name].rotation_euler = (0.0, np.pi / 2.0, 0.0)  # x points down
+        self.lift(1.0)
+        bpy.context.view_layer.update()
+
+    def lift(self, share: float) -> None:
+        """Move the body upwards by a share of the sleeve's length. 1: it is a head above it."""
         arm = bpy.data.objects["Human"]
         rest = compat.positions(arm.data)
-        rest[:, 0] -= 0.3 * sleeve.LENGTH  # upwards
+        rest[:, 0] -= share * sleeve.LENGTH
         arm.data.vertices.foreach_set("co", rest.ravel())
         arm.data.update()
-        bpy.context.view_layer.update()
 
     def click(self, method: str = "MESH") -> str:
         """What it says."""
@@ -46,11 +50,17 @@ class Closed(unittest.TestCase):
         settings = self.obj.rumple.mesh
         self.assertEqual((settings.base_cloth, settings.layers, self.obj.rumple.body), ("HANG", "CLOTH", None))
         held, along = cloth_defaults.follow_weights(self.obj), compat.positions(self.obj.data)[:, 0]
-        self.assertEqual(held[along < 0.05 * sleeve.LENGTH].min(), 1.0)
-        self.assertEqual(held[along > 0.3 * sleeve.LENGTH].max(), 0.0)
+        self.assertEqual(held[along == 0.0].min(), 1.0)
+        self.assertEqual(held[along > 0.2 * sleeve.LENGTH].max(), 0.0)
         sleeve.play()
         self.assertEqual(self.obj.rumple.message, "")
         self.assertGreater(np.abs(sleeve.attribute(self.obj, "rumple_offset")).max(), 1e-3)
+
+    def test_with_a_body_in_it_it_is_none(self) -> None:
+        """Its closed end would be inside of the body, and pull the waist below the skin."""
+        self.lift(-0.7)
+        self.assertIn("fewer than two openings", self.click())
+        self.assertEqual(self.obj.rumple.mesh.base_cloth, "OFF")
 
     def test_every_system(self) -> None:
         for method in ("FIELD", "PATHS"):

@@ -100,9 +100,9 @@ TEST(Openings, AGarmentWithoutAnOpeningIsHeldByItsUpperEnd) {
     const float highest = 1.0f, diagonal = std::sqrt(1.0f + 2.0f * 0.2f * 0.2f);
     for (size_t v = 0; v < follow.size(); ++v) {
         const float below = highest - trousers.positions[v].y;
-        if (below < 0.099f * diagonal) {
+        if (below < 0.029f * diagonal) {
             EXPECT_EQ(follow[v], 1.0f) << v;
-        } else if (below > 0.171f * diagonal) {
+        } else if (below > 0.101f * diagonal) {
             EXPECT_EQ(follow[v], 0.0f) << v;
         }
     }

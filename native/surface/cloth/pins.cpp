@@ -24,9 +24,9 @@ constexpr float kSleeveHeld = 0.4f, kLegHeld = 0.01f;
 constexpr float kLowest = 0.1f;
 
 // The outline of a hanging sheet is held from its highest point down to kUpperEnd of its diagonal, a garment
-// without a border to kClosedEnd: its closed end goes some way into what it is worn with. What lies flat (a
-// blanket), with a height of less than kHangs of the diagonal, has no upper end.
-constexpr float kUpperEnd = 0.06f, kClosedEnd = 0.1f, kHangs = 0.25f;
+// without a border to kClosedEnd. What lies flat (a blanket), with a height of less than kHangs of the
+// diagonal, has no upper end.
+constexpr float kUpperEnd = 0.06f, kClosedEnd = 0.03f, kHangs = 0.25f;
 
 // The hold of a border fades out over this share of the part's diagonal.
 constexpr float kFade = 0.07f;

@@ -46,6 +46,7 @@ class WornOver:
     garments: list[bpy.types.Object]  # other clothes that it partly covers
     clothes: list[bpy.types.Object]  # if it is a body: objects over it, not larger than it, and more than trimmings
     trees: dict[bpy.types.Object, BVHTree]  # from tree_of(), of the examined objects
+    share: float = 0.0  # of its vertices, those over the body
 
     @property
     def is_body(self) -> bool:
@@ -89,7 +90,7 @@ def find(obj: bpy.types.Object, scene: bpy.types.Scene) -> WornOver:
                default=None)
     garments = [other for other, share in shares.items() if other != body and share > LEAST_OVERLAP
                 and share > MORE_OVER * back(other)]
-    return WornOver(body, garments, [], trees)
+    return WornOver(body, garments, [], trees, shares.get(body, 0.0))
 
 
 def _is_within(garment: bpy.types.Object, obj: bpy.types.Object) -> bool:

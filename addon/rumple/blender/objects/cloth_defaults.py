@@ -21,23 +21,25 @@ CHOICES = ("base_cloth", "layers", "hem_rings", "up", "buckling_threshold", "thr
 STEPS = 20  # number of different weights in a new group
 
 
-def apply(obj: bpy.types.Object, scene: bpy.types.Scene, lengths: set[str], sheet: bool) -> None:
+def apply(obj: bpy.types.Object, scene: bpy.types.Scene, lengths: set[str], sheet: bool, closed: bool) -> None:
     """Make a skinned garment cloth, and give a simulated one layers, unless the artist has set one of the two. Other
     settings stay.
 
-    lengths: names of the lengths that nobody has set. sheet: from is_sheet().
+    lengths: names of the lengths that nobody has set. sheet, closed: from is_sheet() and is_closed().
     """
     settings = properties.group_of(obj)
     if any(name in properties.fields_of(obj) and settings.is_property_set(name) for name in ("base_cloth", "layers")):
         return
-    values = defaults(obj, scene, sheet)
+    values = defaults(obj, scene, sheet, closed)
     free = lengths - ({"wavelength"} if getattr(settings, "density", "") == "LEVEL" else set())
     properties.apply_values(obj, scene, {name: value for name, value in values.items() if name in free or (
         name in CHOICES and not settings.is_property_set(name))})
 
 
-def defaults(obj: bpy.types.Object, scene: bpy.types.Scene, sheet: bool = False) -> dict[str, Any]:
-    """Settings that depend on how the object moves; empty if it is neither skinned nor simulated."""
+def defaults(obj: bpy.types.Object, scene: bpy.types.Scene, sheet: bool = False,
+             closed: bool = False) -> dict[str, Any]:
+    """Settings that depend on how the object moves; empty if it is neither skinned nor simulated. sheet, closed: from
+    is_sheet() and is_closed()."""
     method = obj.rumple.method
     if is_simulated(obj):
         return SIMULATED_DEFAULTS.get(method, {})
@@ -46,7 +48,7 @@ def defaults(obj: bpy.types.Object, scene: bpy.types.Scene, sheet: bool = False)
     base = cloth_at_rest(obj)
     if not len(base.triangle_corner):
         return {}
-    if not (sheet or wrinkle_mesh.suits_cloth(base) or closed_garments.is_one(obj, scene, base)):
+    if not (sheet or closed or wrinkle_mesh.suits_cloth(base)):
         return {}
     metres = rig_scale.metres_at_rest(obj, scene)
     values = wrinkle_mesh.cloth_defaults(base, metres, _turn(obj), sheet)
@@ -58,7 +60,8 @@ def defaults(obj: bpy.types.Object, scene: bpy.types.Scene, sheet: bool = False)
 
 
 def is_closed(obj: bpy.types.Object, scene: bpy.types.Scene) -> bool:
-    """Whether a garment has no openings, because its ends are closed."""
+    """Whether an object is a garment without openings, because its ends are closed. With a body in it, it is not made
+    cloth (first_click.py)."""
     base = cloth_at_rest(obj)
     return not wrinkle_mesh.suits_cloth(base) and closed_garments.is_one(obj, scene, base)
 

@@ -13,6 +13,9 @@ from . import (body_search, cloth_defaults, free_parts, incoming_mesh, made_coll
                painted_skin, properties, rig_scale, tucked_hems)
 
 
+UNDER_MOST = 0.5  # least share of a garment over an object that is the body in it, and not its neighbour
+
+
 def set_up(obj: bpy.types.Object, scene: bpy.types.Scene) -> list[str]:
     """Set all settings of the object's method, its bodies and its maps. What was set before a removal stays. Returns
     messages about them."""
@@ -51,18 +54,18 @@ class _Found(NamedTuple):
 def _set_cloth(obj: bpy.types.Object, scene: bpy.types.Scene, lengths: set[str]) -> _Found:
     """Set the cloth settings if the object is a garment, find its bodies, and paint its maps. lengths: from
     _set_defaults()."""
-    worn_over, skin, closed = body_search.find(obj, scene), [], False
+    worn_over, skin = body_search.find(obj, scene), []
     is_sheet = cloth_defaults.is_sheet(obj, worn_over.body)
+    closed = not is_sheet and worn_over.share < UNDER_MOST and cloth_defaults.is_closed(obj, scene)
     if not worn_over.is_body or named_skin.is_dressed(obj):
-        cloth_defaults.apply(obj, scene, lengths, is_sheet)
+        cloth_defaults.apply(obj, scene, lengths, is_sheet, closed)
     if cloth_defaults.is_cloth(obj):
-        closed = not is_sheet and cloth_defaults.is_closed(obj, scene)
         if not closed:  # what goes into a closed end would push the end out of itself
             _set_bodies(obj, worn_over)
         skin = painted_skin.paint(obj)
         free_parts.give_room(obj, scene, worn_over.trees, is_sheet, "room" not in lengths)
         tucked_hems.paint(obj, scene, worn_over.trees_over(), is_sheet)
-    return _Found(worn_over, skin, closed)
+    return _Found(worn_over, skin, closed and cloth_defaults.is_cloth(obj))
 
 
 def _set_bodies(obj: bpy.types.Object, found: body_search.WornOver) -> None:
@@ -86,8 +89,8 @@ def _notes(obj: bpy.types.Object, scene: bpy.types.Scene, found: _Found) -> list
         return [f"{obj.name}: by their names, these materials are not cloth, and stay as they are animated: {names}. "
                 "To change that, paint Pinned and Keep Smooth"]
     if found.closed:
-        return [f"{obj.name}: its ends are closed, so it is cloth that is held by its upper end, without a body. If it "
-                "is not cloth, set Base Cloth to Off"]
+        return [f"{obj.name}: its ends are closed, so it is cloth that is held by its upper end. If it is not cloth, "
+                "set Base Cloth to Off"]
     if cloth_defaults.is_cloth(obj) or properties.group_of(obj).is_property_set("base_cloth"):
         return []
     if worn_over.is_body and cloth_defaults.defaults(obj, scene):

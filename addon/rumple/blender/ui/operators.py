@@ -211,7 +211,7 @@ class OBJECT_OT_rumple_add(bpy.types.Operator):
         self._adjust(context, obj)
         if cloth_defaults.is_cloth(obj):
             sheet = cloth_defaults.is_sheet(obj, obj.rumple.body)
-            of_cloth = cloth_defaults.defaults(obj, context.scene, sheet)
+            of_cloth = cloth_defaults.defaults(obj, context.scene, sheet, cloth_defaults.is_closed(obj, context.scene))
             properties.apply_values(obj, context.scene, {name: of_cloth[name] for name in {width} & of_cloth.keys()})
         note = self._make(obj, nodes_mod)
         if modifier.output_object(nodes_mod) is not None:
