@@ -2,8 +2,6 @@
 """Skin in the mesh of its clothes is found by its material's name and painted by the first click."""
 from __future__ import annotations
 
-import contextlib
-import io
 import unittest
 
 import bmesh
@@ -43,11 +41,7 @@ class Welded(unittest.TestCase):
 
     def click(self, method: str = "MESH") -> str:
         """What it says."""
-        sleeve.make_active(self.obj)
-        said = io.StringIO()
-        with contextlib.redirect_stdout(said):
-            self.assertEqual(bpy.ops.object.rumple_add(method=method), {"FINISHED"})
-        return said.getvalue()
+        return sleeve.click(self.obj, method)
 
     def skin(self) -> np.ndarray:
         """(n,) bool: the vertices of its faces."""

@@ -2,8 +2,6 @@
 """A garment in an object of its own whose ends are closed, as in kits of characters for games."""
 from __future__ import annotations
 
-import contextlib
-import io
 import unittest
 
 import bmesh
@@ -39,11 +37,7 @@ class Closed(unittest.TestCase):
 
     def click(self, method: str = "MESH") -> str:
         """What it says."""
-        sleeve.make_active(self.obj)
-        said = io.StringIO()
-        with contextlib.redirect_stdout(said):
-            self.assertEqual(bpy.ops.object.rumple_add(method=method), {"FINISHED"})
-        return said.getvalue()
+        return sleeve.click(self.obj, method)
 
     def test_it_is_cloth_that_is_held_by_its_upper_end(self) -> None:
         self.assertIn("its ends are closed, so it is cloth that is held by its upper end", self.click())

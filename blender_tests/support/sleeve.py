@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import io
 import math
 from typing import Any, Iterator
 
@@ -174,6 +175,15 @@ def to_be_cloth() -> bpy.types.Object:
         settings.property_unset("base_cloth")
     under(obj, "Human")
     return obj
+
+
+def click(obj: bpy.types.Object, method: str = "MESH") -> str:
+    """Adds wrinkles by the first click. Returns what it says."""
+    make_active(obj)
+    said = io.StringIO()
+    with contextlib.redirect_stdout(said):
+        assert bpy.ops.object.rumple_add(method=method) == {"FINISHED"}
+    return said.getvalue()
 
 
 # ---------------------------------------------------------------- what is seen
