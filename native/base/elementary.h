@@ -35,8 +35,7 @@ inline float exp(float x) {
 inline float atan2(float y, float x) {
     return float(atan2(double(y), double(x)));
 }
-// The value of std::floor (0 for -0), without the call of a function that it is for processors without
-// SSE 4.1.
+// The value of std::floor (0 for -0), which is a call of a function on processors without SSE 4.1.
 inline float floor(float x) {
     constexpr float kIntegersFrom = 0x1p23f;  // floats of this size have no fraction
     if (!(std::abs(x) < kIntegersFrom)) return x;

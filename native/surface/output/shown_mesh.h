@@ -52,7 +52,7 @@ struct ShownMesh {
     std::vector<std::array<Index, 2>> edges;      // shown edges that lie on a source edge ...
     std::vector<std::array<Index, 2>> edge_sources;  // ... and that edge's vertices
 
-    // After it is made.
+    // To be called when it is complete.
     void fit() {
         from_solved.fit();
         vertex_from_source.fit();

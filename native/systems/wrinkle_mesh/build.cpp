@@ -268,13 +268,15 @@ void add_constraints(Model& model) {
     model.border_ring = border_rings(sets.edges, sets.on_border(rest.size()));
 }
 
-// A model with its base, its solved mesh and its attachments. fine: the solved mesh.
+FineMesh make_fine_mesh(const Surface& base, const Source& source, Index display_steps) {
+    return source.own ? copy_own(*source.own, source, display_steps) : refine(base, source, display_steps);
+}
+
+// A model with its base, its solved mesh and its attachments.
 std::shared_ptr<Model> attach_to(Surface base, const Source& source, AttachmentKind attachment,
-                                 Index display_steps, FineMesh& fine) {
+                                 const FineMesh& fine) {
     auto model = std::make_shared<Model>();
     model->base = std::move(base);
-    fine = source.own ? copy_own(*source.own, source, display_steps)
-                      : refine(model->base, source, display_steps);
     model->solved = fine.mesh;
     model->positions_rest = attach_fine_mesh(*model, source, fine, attachment);
     return model;
@@ -283,8 +285,8 @@ std::shared_ptr<Model> attach_to(Surface base, const Source& source, AttachmentK
 }  // namespace
 
 std::shared_ptr<const Model> build_unshown(Surface base, const Source& source, AttachmentKind attachment) {
-    FineMesh fine;
-    const std::shared_ptr<Model> model = attach_to(std::move(base), source, attachment, 0, fine);
+    const FineMesh fine = make_fine_mesh(base, source, 0);
+    const std::shared_ptr<Model> model = attach_to(std::move(base), source, attachment, fine);
     add_constraints(*model);
     model->near = near_triangles(model->base);
     return model;
@@ -292,8 +294,8 @@ std::shared_ptr<const Model> build_unshown(Surface base, const Source& source, A
 
 std::shared_ptr<const Model> build(Surface base, const Source& source, AttachmentKind attachment,
                                    Index display_steps, Index viewport_steps) {
-    FineMesh fine;
-    const std::shared_ptr<Model> model = attach_to(std::move(base), source, attachment, display_steps, fine);
+    const FineMesh fine = make_fine_mesh(base, source, display_steps);
+    const std::shared_ptr<Model> model = attach_to(std::move(base), source, attachment, fine);
     const Surface& inherited = source.own ? *source.own : model->base;
     const auto add_what_is_solved = [&] {
         add_constraints(*model);

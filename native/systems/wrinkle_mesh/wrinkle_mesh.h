@@ -140,7 +140,7 @@ struct Source : FineSource {
 std::shared_ptr<const Model> build(Surface base, const Source& source, AttachmentKind attachment,
                                    Index display_steps, Index viewport_steps = kMostLevels);
 
-// The same without what only its picture needs: a layer of layers.h, whose rest shape does not adapt.
+// The same for a layer of layers.h: without what only show() needs, and its rest shape does not adapt.
 std::shared_ptr<const Model> build_unshown(Surface base, const Source& source, AttachmentKind attachment);
 
 // Converts painted values of the base's vertices (as the artist has them) to solved vertices.

@@ -84,7 +84,7 @@ def note_updates(depsgraph: bpy.types.Depsgraph) -> None:
             elif runtime.paint and compat.session_key(obj) in touched and not scheduler.playing():
                 runtime.paint = None
                 if not _animation_alone:
-                    runtime.forget_paint()  # a script's vertex_group.add() lists only the object, as animation does
+                    runtime.forget_paint()  # an edit of vertex groups may list only the object, as animation does
 
 
 def _note_moved() -> None:

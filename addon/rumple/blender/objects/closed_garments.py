@@ -12,17 +12,17 @@ from ...core.skin_materials import names_skin
 from . import bodies_at_rest, body_search, incoming_mesh, mesh_reader
 
 
-def is_one(obj: bpy.types.Object, scene: bpy.types.Scene, base: BaseMesh) -> bool:
+def is_one(obj: bpy.types.Object, scene: bpy.types.Scene, base: BaseMesh, up: np.ndarray) -> bool:
     """Whether an object is such a garment. Skin by the names of all of its materials is none. base: its mesh at rest,
-    without skin. Cost: that of is_closed_garment(), and 1 ms for 1,000 vertices of what has its shape."""
+    without skin. up: (3,) in its object space. Cost: that of is_closed_garment(), and 1 ms for 1,000 vertices of what
+    has its shape."""
     names = [slot.name for slot in obj.material_slots if slot.name]
     if names and all(map(names_skin, names)):
         return False
-    own = np.array(obj.matrix_world.inverted_safe(), np.float32)
-    others = [transforms.placed(own @ np.array(other.matrix_world, np.float32),
+    own = obj.matrix_world.inverted_safe()
+    others = [transforms.placed(np.array(own @ other.matrix_world, np.float32),
                                 mesh_reader.rest_positions(other, "REST_POSE", ""))
               for other in body_search.candidates(obj, scene) if body_search.is_finite(other)]
-    up = np.array(obj.matrix_world.to_3x3(), np.float32)[2]
     if not others or not is_closed_garment(base, np.concatenate(others), up):
         return False
     bones = {bone.name for rig in bodies_at_rest.armatures(obj) for bone in rig.data.bones}

@@ -63,7 +63,7 @@ def is_closed(obj: bpy.types.Object, scene: bpy.types.Scene) -> bool:
     """Whether an object is a garment without openings, because its ends are closed. With a body in it, it is not made
     cloth (first_click.py)."""
     base = cloth_at_rest(obj)
-    return not wrinkle_mesh.suits_cloth(base) and closed_garments.is_one(obj, scene, base)
+    return not wrinkle_mesh.suits_cloth(base) and closed_garments.is_one(obj, scene, base, _turn(obj)[2])
 
 
 def is_sheet(obj: bpy.types.Object, body: bpy.types.Object | None) -> bool:
