@@ -226,6 +226,8 @@ def _surface(obj: bpy.types.Object, evaluated: bpy.types.Object, body: bpy.types
         first = int(np.isfinite(surface.positions).all(axis=1).argmin())
         raise engine.UserError(f"{obj.name}: vertex {first} of its body {body.name} has no valid position in this "
                                "frame: repair it, or choose another one")
+    if worn.matrix_world == evaluated.matrix_world:
+        return surface
     into = evaluated.matrix_world.inverted_safe() @ worn.matrix_world
     triangles = surface.triangles
     if into.determinant() < 0.0:  # mirrored: reverse the triangles to keep them counter-clockwise
