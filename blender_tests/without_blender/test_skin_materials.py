@@ -16,14 +16,22 @@ class Names(unittest.TestCase):
                      "hairBack", "Left Hand", "Fingernails", "Boots", "MI_Face_02", "肌", "顔01"):
             self.assertTrue(names_skin(name), name)
 
+    def test_shoes_whatever_they_are_made_of(self) -> None:
+        for name in ("Leather_Boots", "Shoe_Leather", "DenimSneakers", "Boot_Bottom", "Shoes_Top"):
+            self.assertTrue(names_skin(name), name)
+
+    def test_short_hair_and_the_hair_on_top_of_a_head(self) -> None:
+        for name in ("Hair_Short", "ShortHair", "Hair_Top", "HairCap", "Scalp cap"):
+            self.assertTrue(names_skin(name), name)
+
     def test_clothes(self) -> None:
         for name in ("Shirt", "N00_002_01_Tops_01_CLOTH (Instance)", "Jeans", "Body", "Arms", "Neck", "",
                      "Material.001", "surface", "Threads", "Pearls", "袖"):
             self.assertFalse(names_skin(name), name)
 
-    def test_a_word_of_clothes_decides(self) -> None:
-        for name in ("HeadScarf", "SkinSuit", "hand_knitted_sweater", "Shoe_Leather", "Hair band", "Face-Veil",
-                     "靴下の服"):
+    def test_a_word_of_clothes_or_of_fabrics_decides(self) -> None:
+        for name in ("HeadScarf", "SkinSuit", "hand_knitted_sweater", "Face_Cloth", "Hair band", "Face-Veil",
+                     "HeadCap", "Hand_Shorts", "SkinTights", "Leather_Skin", "Boot_Cuff", "靴下の服", "靴下"):
             self.assertFalse(names_skin(name), name)
 
 

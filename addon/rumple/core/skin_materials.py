@@ -12,21 +12,24 @@ import numpy as np
 from .base_mesh import BaseMesh
 from .vertices import places
 
-# Singular. Words that also name a piece of a garment (body, arm, leg, neck) say nothing.
+# Words in the singular, where the plural does not mean something else ("Shorts", but "Hair_Short"). Words that also name a
+# piece of a garment (body, arm, leg, neck) say nothing.
 SKIN = frozenset((
     "skin", "flesh", "face", "head", "cheek", "chin", "scalp", "hair", "beard", "brow", "eyebrow", "eye", "iris",
     "pupil", "sclera", "cornea", "eyelash", "lash", "ear", "nose", "mouth", "lip", "tooth", "teeth", "tongue", "gum",
-    "hand", "finger", "nail", "fingernail", "foot", "feet", "toe", "toenail", "shoe", "boot", "sneaker", "sandal",
-    "sole"))
+    "hand", "finger", "nail", "fingernail", "foot", "feet", "toe", "toenail"))
+SHOES = frozenset(("shoe", "boot", "sneaker", "sandal", "slipper", "sole"))
 SKIN_CHARACTERS = frozenset("肌肤膚顔颜脸臉髪髮靴鞋")
 # Of a name with one of these, no other word counts: a head scarf, a hand-knitted sweater, a skin suit.
-CLOTH = frozenset((
-    "cloth", "clothe", "clothing", "garment", "fabric", "outfit", "suit", "uniform", "costume", "shirt", "tee", "top",
-    "bottom", "blouse", "pullover", "sweater", "hoodie", "hood", "jacket", "coat", "vest", "tunic", "robe", "dress",
-    "gown", "skirt", "trouser", "pant", "jean", "short", "legging", "sleeve", "collar", "cuff", "cape", "cloak",
-    "scarf", "veil", "hat", "cap", "band", "glove", "sock", "stocking", "tight", "underwear", "cotton", "wool", "linen",
-    "silk", "denim", "leather", "jersey"))
-CLOTH_CHARACTERS = frozenset("服衣袖裙裤褲帽巾袋")
+GARMENTS = frozenset((
+    "clothe", "clothing", "garment", "outfit", "suit", "uniform", "costume", "shirt", "tee", "tops", "bottoms",
+    "blouse", "pullover", "sweater", "hoodie", "hood", "jacket", "coat", "vest", "tunic", "robe", "dress", "gown",
+    "skirt", "trouser", "pant", "jean", "shorts", "legging", "sleeve", "collar", "cuff", "cape", "cloak", "scarf",
+    "veil", "hat", "cap", "band", "glove", "sock", "stocking", "tights", "underwear"))
+GARMENT_CHARACTERS = ("服", "衣", "袖", "裙", "裤", "褲", "帽", "巾", "袋", "袜", "襪", "靴下")
+# What garments and shoes are made of.
+FABRICS = frozenset(("cloth", "fabric", "cotton", "wool", "linen", "silk", "denim", "leather", "jersey"))
+HAIR, CAP = frozenset(("hair", "scalp")), "cap"  # a cap of hair is the part of it that lies on the head
 _WORD = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+")  # also the words of "EyeLash" and "SKIN_head"
 LEAST_AREA = 0.02  # least share of skin and of cloth in the area: a face without clothes, clothes with a stain
 
@@ -35,9 +38,13 @@ def names_skin(material: str) -> bool:
     """Whether a material is one of skin, hair or shoes, by the words of its name: English, Chinese or Japanese."""
     words = {word.lower() for word in _WORD.findall(material)}
     words |= {word.removesuffix(end) for word in words for end in ("s", "es")}
-    if words & CLOTH or CLOTH_CHARACTERS & set(material):
+    if words & HAIR:
+        words.discard(CAP)
+    if words & GARMENTS or any(character in material for character in GARMENT_CHARACTERS):
         return False
-    return bool(words & SKIN or SKIN_CHARACTERS & set(material))
+    if words & SHOES or SKIN_CHARACTERS & set(material):
+        return True
+    return bool(words & SKIN) and not words & FABRICS
 
 
 def is_beside_cloth(base: BaseMesh, skin: np.ndarray) -> bool:
