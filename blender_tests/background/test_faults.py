@@ -86,6 +86,18 @@ class Handlers(unittest.TestCase):
         self.assertEqual((runtimes.of(obj).inputs.frame, obj.rumple.message), (7.0, ""))
 
 
+    def test_the_pose_of_a_rebuild_is_forgotten_whatever_fails(self) -> None:
+        """The next frame was solved from it."""
+        obj = sleeve.scene()
+        sleeve.play(1, 2)
+        runtimes.of(obj).stale = True
+        with mock.patch.object(bodies, "in_levels", side_effect=MemoryError("on purpose")), \
+                mock.patch.object(solve, "_posed", wraps=solve._posed) as posed:
+            sleeve.at(3)
+        posed.assert_called_once()
+        self.assertIsNone(runtimes.of(obj).pose)
+
+
 class WildFrame(unittest.TestCase):
     """One vertex flies off for one frame, as where a simulation explodes. The state of Wrinkle Mesh was never finite
     again, and Blender died: in Wrinkle Field a phase that is no number was a place in a table."""

@@ -134,6 +134,7 @@ class Rows(unittest.TestCase):
             sleeve.play()
             self.assertRegex(obj.rumple.message, "Sleeve.curves has no room for [0-9]+ of [0-9]+ paths")
             self.assertEqual(path_curves.capacity(child.data), 16, "topology changed while it renders")
+            self.assertEqual(runtimes.of(obj).message, "", "to what is worn over it, it would be an unsolved garment")
         scheduler.sync_all()
         sleeve.at(20)
         self.assertGreater(curve_edges.same(self, obj, child), 3)

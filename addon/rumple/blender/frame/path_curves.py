@@ -115,10 +115,11 @@ def write(garment: bpy.types.Object, runtime: Runtime) -> None:
     """Write the curves of the last solved frame. Called by handlers."""
     children = [child for child in of(garment) if _is_writable(child)]
     if not children:
+        messages.note_no_room(runtime, "")
         return
     inputs = runtime.inputs
     curves = runtime.evaluator.curves(inputs.frame, inputs.positions, inputs.settings)
-    points = len(curves.width)
+    points, no_room = len(curves.width), ""
     for child in children:
         if capacity(child.data) < points:
             runtime.curve_points = points
@@ -128,12 +129,12 @@ def write(garment: bpy.types.Object, runtime: Runtime) -> None:
                 scheduler.request()
         rows, left_out = rows_of(curves, capacity(child.data))
         if left_out:
-            text = (f"{garment.name}: {child.name} has no room for {left_out} of {len(curves.id)} paths in this frame: "
-                    "play the clip through before you render it")
-            messages.set_frame_error(runtime, text)
+            no_room = (f"{garment.name}: {child.name} has no room for {left_out} of {len(curves.id)} paths in this "
+                       "frame: play the clip through before you render it")
         if not np.array_equal(compat.positions(child.data), rows):
             compat.set_positions(child.data, rows)
             child.data.update()
+    messages.note_no_room(runtime, no_room)
 
 
 def _is_writable(child: bpy.types.Object) -> bool:

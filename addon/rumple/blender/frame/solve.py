@@ -34,22 +34,33 @@ def process(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
     with LOCK:
         objects = bodies.in_order([pair for pair in modifier.wrinkled_objects() if first_pass.is_needed(*pair)])
         late = {obj for obj, nodes_mod in objects if _is_late(obj, nodes_mod)}
-        if scheduler.allowed_now() and any(_needs_structure(obj, nodes_mod) for obj, nodes_mod in objects):
-            _rebuild_here(objects, depsgraph)
-        outputs_seen: set[int] = set()
-        differing = viewport_mesh.may_differ(objects)
-        written: list[bpy.types.Object] = []
-        for level in bodies.in_levels([pair for pair in objects if pair[0] not in late]):
-            read = [_read_guarded(obj, nodes_mod, scene, depsgraph, outputs_seen, obj in differing)
-                    for obj, nodes_mod in level]
-            frames = [frame for frame in read if frame is not None]
-            garment_frame.solve_all(frames)
-            written += [frame.obj for frame in frames if frame.show()]
+        try:
+            if scheduler.allowed_now() and any(_needs_structure(obj, nodes_mod) for obj, nodes_mod in objects):
+                _rebuild_here(objects, depsgraph)
+            written = _solve_levels([pair for pair in objects if pair[0] not in late], objects, scene, depsgraph)
+        finally:
+            for obj, _ours in objects:
+                runtimes.of(obj).pose = None  # valid only in this call
         for obj, _ours in objects:
-            runtimes.of(obj).pose = None  # valid only in this call
             _note_seconds(runtimes.of(obj), evaluated)
         if written and len(objects) > 1:
             _tag_dependents(written, [obj for obj, _ in objects])
+
+
+def _solve_levels(garments: list[bodies.Wrinkled], objects: list[bodies.Wrinkled], scene: bpy.types.Scene,
+                  depsgraph: bpy.types.Depsgraph) -> list[bpy.types.Object]:
+    """Solve garments, what is worn under others first. objects: also those that are not solved here. Returns the
+    garments whose output was written."""
+    outputs_seen: set[int] = set()
+    differing = viewport_mesh.may_differ(objects)
+    written: list[bpy.types.Object] = []
+    for level in bodies.in_levels(garments):
+        read = [_read_guarded(obj, nodes_mod, scene, depsgraph, outputs_seen, obj in differing)
+                for obj, nodes_mod in level]
+        frames = [frame for frame in read if frame is not None]
+        garment_frame.solve_all(frames)
+        written += [frame.obj for frame in frames if frame.show()]
+    return written
 
 
 def _note_seconds(runtime: Runtime, evaluated: float | None) -> None:

@@ -23,6 +23,7 @@ class Messages:
     unplayed: str = ""  # a warning that this frame was reached by a jump, if this is visible
     unplayed_in_renders: str = ""  # the last one that a render has printed
     left_out: str = ""  # a warning that a body is not used
+    no_room: str = ""  # a warning that paths of this frame are not shown
     notes: list[str] = field(default_factory=list)
 
 
@@ -52,6 +53,12 @@ def note_left_out(runtime: Messages, text: str) -> None:
     """Set the warning about a body that is not used. A new one is printed once."""
     _tell(text, runtime.left_out)
     runtime.left_out = text
+
+
+def note_no_room(runtime: Messages, text: str) -> None:
+    """Set the warning about paths that are not shown in this frame. A new one is printed once."""
+    _tell(text, runtime.no_room)
+    runtime.no_room = text
 
 
 def _tell(text: str, former: str) -> None:

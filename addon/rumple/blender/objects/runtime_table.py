@@ -56,9 +56,9 @@ class RuntimeTable(Generic[AnyEntry]):
         return self._entries.get(compat.session_key(obj))
 
     def message(self, obj: bpy.types.Object) -> str:
-        """The error message about an object, or an empty text."""
+        """The error message about an object, or the warning about its paths, or an empty text."""
         runtime = self.known(obj)
-        return "" if runtime is None else runtime.refusal or runtime.message
+        return "" if runtime is None else runtime.refusal or runtime.message or runtime.no_room
 
     def forget(self, obj: bpy.types.Object) -> None:
         entry = self._entries.pop(compat.session_key(obj), None)
