@@ -113,6 +113,7 @@ class Manifests(unittest.TestCase):
         clip_manifest.read(json.dumps(good))
         bad = [dict(end=None), dict(end="x"), dict(end=1), dict(samples=0), dict(samples=-1), dict(samples=10**9),
                dict(vertices="9"), dict(vertices=0), dict(vertices=True), dict(start=-10**30), dict(points=1e308),
+               dict(points=1 << 31, vertices=1 << 31),
                dict(points=3), dict(coarse_vertices=-1), dict(poses=None), dict(poses=[]), dict(poses=["x"] * SAMPLES),
                dict(poses=[[1, 2]] * SAMPLES), dict(poses=[[float("nan")] * 9] * SAMPLES), dict(object=5),
                dict(inputs=[]), dict(file=None), dict(evil=1), dict(format=99), dict(format="4"), dict(checksums=[]),

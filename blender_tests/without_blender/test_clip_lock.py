@@ -90,6 +90,19 @@ class OnWindows(unittest.TestCase):
             self.assertEqual(Holder.here().started, str(1 << 60))
 
 
+@unittest.skipUnless(os.path.exists("/proc/self/comm"), "of Linux")
+class OnLinux(unittest.TestCase):
+
+    def test_a_process_whose_name_is_cut_inside_a_character_is_recognised(self) -> None:
+        """Linux keeps 15 bytes of it."""
+        name = Path("/proc/self/comm")
+        former, started = name.read_bytes(), Holder.here().started
+        name.write_bytes(b"blender-caf\xc3")
+        self.addCleanup(name.write_bytes, former)
+        self.assertNotEqual(started, "")
+        self.assertEqual(Holder.here().started, started)
+
+
 class Case(unittest.TestCase):
 
     def setUp(self) -> None:

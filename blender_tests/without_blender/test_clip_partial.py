@@ -4,6 +4,7 @@ is then, byte for byte, the one that was never ended."""
 from __future__ import annotations
 
 import os
+import re
 import tempfile
 import unittest
 from dataclasses import replace
@@ -107,6 +108,9 @@ class Case(unittest.TestCase):
                  lambda data: data.__delitem__(slice(-cut, None)))
         file = self.end_after(4)
         harm(file.with_name(file.name.removesuffix(".partial") + ".journal"), 0, lambda data: data.__setitem__(0, 0xff))
+        file = self.end_after(4)  # a checksum that no integer is
+        harm(file.with_name(file.name.removesuffix(".partial") + ".journal"), 0,
+             lambda data: data.__setitem__(slice(None), re.sub(rb"\n\[\d+", b"\n[Infinity", data, count=1)))
 
     def test_a_state_is_of_samples_that_are_whole_and_of_this_bake(self) -> None:
         def end_with_state(sample: int) -> PartialWriter:

@@ -2,6 +2,7 @@
 // Checks of arguments. Each throws InvalidInput with the name of the argument.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <string>
@@ -11,10 +12,11 @@
 
 namespace rumple {
 
-// With six digits: "0.5", "1e+06".
+// With six digits: "0.5", "1e+06"; with a point, whatever the locale of the program.
 inline std::string short_text(double value) {
     char text[32];
     std::snprintf(text, sizeof text, "%g", value);
+    std::replace(text, text + sizeof text, ',', '.');
     return text;
 }
 

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <limits>
+#include <utility>
 
 #include "base/random.h"
 #include "tests/base_cloth_swing.h"
@@ -341,6 +342,21 @@ TEST(BaseClothSwingLaws, JumpsAtAnyFrameRateStayFiniteAndWithinTheirRoom) {
             for (const Vec3& v : cloth.motion().velocity) ASSERT_TRUE(std::isfinite(glm::length(v)));
         }
     }
+}
+
+// No step runs in a frame of zero seconds. Its cloth counted as at rest, and a held pose kept it there.
+TEST(BaseClothSwingLaws, AFrameOfZeroSecondsStopsNothing) {
+    const Garment garment(tube(16, 10, 0.1f, 0.5f));
+    const Points& pose = garment.mesh.positions;
+    Swinging cloth(garment, {}, {}, pose);
+    cloth.disturbed().velocity.assign(pose.size(), Vec3(0.2f, 0.0f, 0.0f));
+    cloth.play(pose);
+    const float frame = std::exchange(cloth.swing.seconds, 0.0f);
+    cloth.play(pose);
+    const Points before = cloth.now.positions;
+    cloth.swing.seconds = frame;
+    cloth.play(pose);
+    EXPECT_GT(farthest(cloth.now.positions, before), 1e-4f);
 }
 
 TEST(BaseClothSwingLaws, AStateThatDoesNotSwingStartsAnewAndBadInputIsNamed) {

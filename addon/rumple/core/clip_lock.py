@@ -77,7 +77,8 @@ def _started(process: int) -> str:
     if os.name == "nt":
         return windows_process.started(process)
     try:
-        return Path(f"/proc/{process}/stat").read_text().rsplit(")", 1)[1].split()[19]
+        # Linux cuts the name in it after 15 bytes, also in the middle of a character.
+        return Path(f"/proc/{process}/stat").read_bytes().rsplit(b")", 1)[1].split()[19].decode("ascii")
     except (OSError, IndexError):
         return ""
 

@@ -20,7 +20,7 @@ FORMAT_OF_SEAMS = 5  # the clip has seams: an older Rumple would verify it from 
 POSE_POINTS = 16  # coarse points kept for each sample, to notice that the animation changed
 POSE_TOLERANCE = 1e-3  # share of the coarse mesh's extent. Other Blender versions and machines differ by far less
 _LAST_FRAME = 1 << 20  # Blender's
-_MOST_POINTS = 1 << 31
+_MOST_POINTS = (1 << 31) - 1  # in the header of a clip
 _BOUNDS = dict(vertices=(1, _MOST_POINTS), points=(1, _MOST_POINTS), coarse_vertices=(1, _MOST_POINTS),
                start=(-_LAST_FRAME, _LAST_FRAME), end=(-_LAST_FRAME, _LAST_FRAME), samples=(1, 16),
                format=(1, FORMAT_OF_SEAMS), pre_roll=(0, _LAST_FRAME))

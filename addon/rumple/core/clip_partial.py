@@ -64,7 +64,7 @@ def _read(file: Path, manifest: Manifest, made_by: str) -> _Kept | None:
                 checksum, pose = json.loads(line)
                 good = line.endswith("\n") and clip_manifest.is_pose(pose, manifest.coarse_vertices)
                 kept.checksums.append(int(checksum))
-            except (ValueError, TypeError):
+            except (ValueError, TypeError, OverflowError):  # of an infinite number
                 break
             if not good or len(kept.checksums) > manifest.sample_count:
                 kept.checksums.pop()

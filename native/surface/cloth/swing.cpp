@@ -210,7 +210,7 @@ Motion step_through(const Model& model, const Settings& settings, const Swing& s
     const int steps = int(std::min(wanted, kMostSteps));
     const float h = swing.seconds / float(std::max(steps, 1));
     Motion motion = was;
-    motion.fastest = 0.0f;
+    if (steps > 0) motion.fastest = 0.0f;
     Pose pose_between = steps > 1 ? pose : Pose{};
     for (int i = 1; i < steps; ++i) {
         const float fraction = float(i) / float(steps);

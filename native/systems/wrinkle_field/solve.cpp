@@ -211,7 +211,7 @@ void check_rest_wrinkle(const Model& model, std::span<const Vec3> painted) {
         const float length = glm::length(painted[v]);
         if (length < 1.0f) continue;
         throw InvalidInput("rest_wrinkle: vertex " + std::to_string(v) + " has length " +
-                           std::to_string(length) + ", expected below 1");
+                           short_text(length) + ", expected below 1");
     }
 }
 

@@ -200,12 +200,12 @@ void check_weights(const SparseRows& weights, const Rig& rig) {
                                    " or -1, got " + std::to_string(weights.index[e]));
             }
             if (!(weights.weight[e] >= 0.0f) || !std::isfinite(weights.weight[e])) {
-                throw InvalidInput(at + "expected a weight >= 0, got " + std::to_string(weights.weight[e]));
+                throw InvalidInput(at + "expected a weight >= 0, got " + short_text(weights.weight[e]));
             }
             if (is_key(rig, weights.index[e]) && weights.weight[e] > 1.0f) {
                 throw InvalidInput(at + "expected a weight of 0 to 1 for shape key " +
                                    rig.names[weights.index[e]] + ", got " +
-                                   std::to_string(weights.weight[e]));
+                                   short_text(weights.weight[e]));
             }
         }
     }

@@ -7,6 +7,7 @@
 #include <tuple>
 
 #include "base/errors.h"
+#include "base/expect.h"
 #include "base/graph_coloring.h"
 #include "base/lanes.h"
 #include "base/parallel.h"
@@ -211,8 +212,8 @@ void bind_own(Model& model, const Source& source, const FineMesh& fine, std::spa
         const Index vertex = source.own->representative[fine.vertex_from_parent.index[v]];
         if (source.farthest > 0.0f && model.unattached_distance[v] > source.farthest) {
             throw InvalidInput("vertex " + std::to_string(vertex) + " of the own mesh is " +
-                               std::to_string(model.unattached_distance[v]) +
-                               " away from the base, farther than " + std::to_string(source.farthest));
+                               short_text(model.unattached_distance[v]) +
+                               " away from the base, farther than " + short_text(source.farthest));
         }
         if (!source.attached.empty()) model.attached[v] = source.attached[vertex];
     }
