@@ -179,6 +179,14 @@ class Wrong(Worn):
             self.assertIsNone(self.obj.rumple.body)
             self.body = sleeve.under(self.obj)
 
+    def test_the_arrays_of_a_body_that_is_gone_are_freed(self) -> None:
+        self.obj.rumple.body = self.body
+        self.check_place(8)
+        self.assertNotEqual(bodies._triangulated, {})
+        bpy.data.objects.remove(self.body)
+        scheduler.sync_all()
+        self.assertEqual(bodies._triangulated, {})
+
 
 class InsideOut(Worn):
 

@@ -85,7 +85,6 @@ class Handlers(unittest.TestCase):
         sleeve.at(7)
         self.assertEqual((runtimes.of(obj).inputs.frame, obj.rumple.message), (7.0, ""))
 
-
     def test_the_pose_of_a_rebuild_is_forgotten_whatever_fails(self) -> None:
         """The next frame was solved from it."""
         obj = sleeve.scene()

@@ -26,6 +26,7 @@ def _forget_all() -> None:
     for table in _RUNTIMES:
         table.forget_all()
     bodies.forget_all()
+    clip_status.forget_all()
     building.drop_all()
 
 
@@ -150,7 +151,7 @@ def _on_render_end(*_arguments: object) -> None:
         scheduler.set_rendering(False)
         for table in _RUNTIMES:
             table.invalidate_outputs()
-    scheduler.tag_soon({obj.name for obj, _ours in (*modifier.wrinkled_objects(), *maps_modifier.mapped_objects())})
+    scheduler.tag_soon(obj for obj, _ours in (*modifier.wrinkled_objects(), *maps_modifier.mapped_objects()))
 
 
 def _pairs() -> tuple:

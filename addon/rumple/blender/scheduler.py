@@ -11,7 +11,7 @@ import math
 import threading
 import time
 from contextlib import contextmanager
-from typing import Callable, Iterator, Protocol
+from typing import Callable, Iterable, Iterator, Protocol
 
 import bpy
 
@@ -40,7 +40,7 @@ _job_seen = -math.inf  # time of the last handler call in the thread of a job th
 _wanted = False
 _suspended = False
 _files = 0  # number of opened files
-_due: set[str] = set()  # names of objects to tag
+_due: set[tuple[str, str | None]] = set()  # objects to tag: name and library, because undo keeps them
 _workers: tuple[Callable[[], None], ...] = ()
 _may_wait = False  # long work may be left to threads
 _awaited: list[Awaited] = []  # running threads
@@ -263,9 +263,9 @@ def _redraw_panels() -> float | None:
 
 
 # ---------------------------------------------------------------- tags
-def tag_soon(names: set[str]) -> None:
+def tag_soon(objects: Iterable[bpy.types.Object]) -> None:
     """Tag objects soon, so that they are evaluated again. It can be called where tagging is not allowed."""
-    _due.update(names)
+    _due.update((obj.name, obj.library and obj.library.filepath) for obj in objects)
     if _due and in_main_thread() and not bpy.app.background:
         _restart(0.0)
 
@@ -293,9 +293,9 @@ def _look() -> float:
         if job_runs():
             return LOOK
         while _due:
-            name = _due.pop()
-            if name in bpy.data.objects:
-                bpy.data.objects[name].update_tag()
+            obj = bpy.data.objects.get(_due.pop())
+            if obj is not None:
+                obj.update_tag()
         if _wanted and not bpy.app.timers.is_registered(_on_timer):
             request()  # the job's thread could not start a timer
     return LOOK

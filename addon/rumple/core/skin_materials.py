@@ -12,8 +12,8 @@ import numpy as np
 from .base_mesh import BaseMesh
 from .vertices import places
 
-# Words in the singular, where the plural does not mean something else ("Shorts", but "Hair_Short"). Words that also name a
-# piece of a garment (body, arm, leg, neck) say nothing.
+# Words in the singular, where the plural means the same ("Shorts", but "Hair_Short"). Words that also name a piece of a
+# garment (body, arm, leg, neck) say nothing.
 SKIN = frozenset((
     "skin", "flesh", "face", "head", "cheek", "chin", "scalp", "hair", "beard", "brow", "eyebrow", "eye", "iris",
     "pupil", "sclera", "cornea", "eyelash", "lash", "ear", "nose", "mouth", "lip", "tooth", "teeth", "tongue", "gum",

@@ -143,7 +143,8 @@ class ClipBake:
     def _start(self, context: bpy.types.Context, path: Path) -> None:
         obj = self.obj
         self.curves = path_curves.Recorder(obj, path)
-        self.playback = self._make_playback(context)
+        with self._faults():
+            self.playback = self._make_playback(context)
         try:
             with self._faults():
                 self._begin(context, path)

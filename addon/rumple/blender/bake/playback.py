@@ -50,8 +50,12 @@ class Playback:
         if self.was_baked:
             modifier.set_baked(nodes_mod, False)
             runtimes.of(obj).stale = True
-        scheduler.sync_all()
-        first_pass.read_only(obj)
+        try:
+            scheduler.sync_all()
+            first_pass.read_only(obj)
+        except BaseException:
+            self.end_playback(restore_bake=True)
+            raise
 
     def _count_steps(self) -> None:
         self.count = len(self.pre_roll) + self.sample_count + len(self.seen) * self.analyzes

@@ -133,6 +133,11 @@ class _Seen:
 _seen: dict[Path, _Seen] = {}
 
 
+def forget_all() -> None:
+    """Forget the clips of the former file."""
+    _seen.clear()
+
+
 def _look(clip: Path) -> _Seen:
     signature = tuple(_signature(path) for path in (clip, clip_file.manifest_path(clip)))
     if clip not in _seen or _seen[clip].signature != signature or _seen[clip].unread:

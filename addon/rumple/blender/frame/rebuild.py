@@ -35,6 +35,7 @@ def sync_all() -> None:
     with messages.console_errors("bodies"):
         duplicates.split_worn_over([obj for obj, _ in objects])
         bodies.connect_all()
+        bodies.forget_removed()
     for obj, nodes_mod in objects:
         if runtimes.of(obj).stale and not is_awaited(obj, nodes_mod):
             prepare(obj, nodes_mod)

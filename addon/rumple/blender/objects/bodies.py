@@ -344,6 +344,15 @@ def forget_all() -> None:
     made_collections.forget_members()
 
 
+def forget_removed() -> None:
+    """Forget what is stored about objects that are gone."""
+    there = {compat.session_key(obj) for obj in bpy.data.objects}
+    tables: tuple[dict[ByDepsgraph, Any], ...] = (_triangulated, _joined)
+    for table in tables:
+        for key in [key for key in table if key[0] not in there]:
+            del table[key]
+
+
 def _joined_triangles(key: ByDepsgraph, surfaces: list[Body], rest_of: Any,
                       at_rest: Callable[[], list[np.ndarray | None]]) -> _Joined:
     """The joined triangles. The same array is returned as long as the arrays of the bodies are the same, so that nobody

@@ -85,7 +85,7 @@ def note_updates(garment: bpy.types.Object, touched: set[int]) -> None:
     if names != runtime.guides or any(compat.session_key(key) in touched for guide in found
                                       for key in (guide, guide.data)):
         runtime.guides, runtime.paint = names, None
-        scheduler.tag_soon({garment.name})
+        scheduler.tag_soon([garment])
 
 
 def read(garment: bpy.types.Object, rest_of: Callable[[], np.ndarray]) -> np.ndarray | None:

@@ -289,15 +289,17 @@ class OBJECT_OT_rumple_capture_rest(ui_base.OnWrinkled, bpy.types.Operator):
         if self.properties.is_property_set("frame"):
             obj.rumple.rest_frame = self.frame
         now = scene.frame_current, scene.frame_subframe
-        scene.frame_set(obj.rumple.rest_frame)
-        coarse = incoming_mesh.of(obj)
-        positions = posed_coarse.positions(obj, len(coarse.vertices), context.evaluated_depsgraph_get())
-        if positions is not None:
-            compat.write_attribute(coarse, wrinkle_tree.REST_POSITION, "FLOAT_VECTOR", "POINT", positions)
-            properties.group_of(obj).rest_shape = "FRAME"
-            runtimes.of(obj).stale = True
-            scheduler.sync_all()
-        scene.frame_set(now[0], subframe=now[1])
+        try:
+            scene.frame_set(obj.rumple.rest_frame)
+            coarse = incoming_mesh.of(obj)
+            positions = posed_coarse.positions(obj, len(coarse.vertices), context.evaluated_depsgraph_get())
+            if positions is not None:
+                compat.write_attribute(coarse, wrinkle_tree.REST_POSITION, "FLOAT_VECTOR", "POINT", positions)
+                properties.group_of(obj).rest_shape = "FRAME"
+                runtimes.of(obj).stale = True
+                scheduler.sync_all()
+        finally:
+            scene.frame_set(now[0], subframe=now[1])
         if positions is None:
             self.report({"ERROR"}, said(runtimes.message(obj) or NOT_SHOWN))
             return {"CANCELLED"}

@@ -70,7 +70,7 @@ class OBJECT_OT_rumple_paint_tool(ui_base.OnWrinkled, bpy.types.Operator):
     def _end(self) -> None:
         """Show the folds again, by a timer, because the ending tool still needs the coarse mesh."""
         weight_paint.ask_for_coarse(False)
-        scheduler.tag_soon({self._obj})
+        scheduler.tag_soon(obj for obj in (bpy.data.objects.get(self._obj),) if obj is not None)
 
 
 def _tool_of(item: bpy.types.KeyMapItem) -> str:
