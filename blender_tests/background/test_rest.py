@@ -15,6 +15,7 @@ from rumple.blender.frame import clip_status
 from rumple.blender.objects import evaluator, modifier, properties, runtimes
 from rumple.blender.ui import paths_panel, rest_panel
 from support import sleeve
+from support.frames import solve_frame
 
 METHODS = ("MESH", "FIELD")
 
@@ -193,7 +194,7 @@ class WholeClip(unittest.TestCase):
             poses[float(frame)] = runtime.inputs.positions
         rate = scene.render.fps / scene.render.fps_base
         fine.analyze_clip(poses, now.settings, frame_rate=rate)
-        return {int(frame): fine.solve_frame(frame, pose, now.settings, {}, start=1, frame_rate=rate).positions
+        return {int(frame): solve_frame(fine, frame, pose, now.settings, {}, start=1, frame_rate=rate).positions
                 for frame, pose in poses.items()}
 
     def test_baked_frames_are_those_solved_with_the_labels_of_the_whole_clip(self) -> None:

@@ -12,6 +12,7 @@ import bpy
 import numpy as np
 from rumple.blender import compat
 from rumple.blender.objects import properties, runtimes
+from support.frames import solve_frame
 from support.one_blender import in_one_blender
 from support.real_clip import digest
 from support.real_garment import PlayedOnce
@@ -68,7 +69,7 @@ class Waving(PlayedOnce):
         positions = runtimes.of(self.garment).inputs.positions.copy()
         expected = self.fine.frame_cache.get(float(held)).state.phase
         for frame in range(held + 1, held + HELD):
-            self.fine.solve_frame(float(frame), positions, settings, {}, start=self.frames[0])
+            solve_frame(self.fine, float(frame), positions, settings, {}, start=self.frames[0])
             np.testing.assert_array_equal(self.fine.frame_cache.get(float(frame)).state.phase, expected)
         for frame in self.frames:  # as played again
             self.scene.frame_set(frame)

@@ -12,6 +12,7 @@ from rumple.blender.objects import runtimes
 from rumple.blender.viewport import preview
 from rumple.core.frame_result import FrameResult
 from support import gpu_waves, sleeve
+from support.frames import solve_frame
 from support.window_case import WindowCase
 
 
@@ -110,9 +111,9 @@ class PreviewCase(WindowCase):
         """The frame that the GPU holds, as renders show it."""
         runtime, scene = runtimes.of(self.obj), bpy.context.scene
         inputs = runtime.inputs
-        found = runtime.evaluator.solve_frame(inputs.frame, inputs.positions, inputs.settings, inputs.paint,
-                                              start=scene.frame_start, frame_rate=inputs.frame_rate,
-                                              world_from_object=inputs.world_from_object)
+        found = solve_frame(runtime.evaluator, inputs.frame, inputs.positions, inputs.settings, inputs.paint,
+                            start=scene.frame_start, frame_rate=inputs.frame_rate,
+                            world_from_object=inputs.world_from_object)
         assert isinstance(found, FrameResult)
         return found
 

@@ -15,6 +15,7 @@ from rumple.blender import compat
 from rumple.blender.objects import mesh_reader, modifier, properties
 from rumple.core import engine, wrinkle_mesh
 from support import sleeve, small_renders
+from support.frames import solve_frame
 
 STARK = 0.02  # a pixel is another one when a channel differs by more; 0..1
 
@@ -43,7 +44,7 @@ def pictures(obj: bpy.types.Object, frames: Sequence[float]) -> tuple[engine.Wri
         whole = int(np.floor(frame))
         sleeve.at(whole, frame - whole)
         posed = np.ascontiguousarray(sleeve.shown(twin))
-        result.append(fine.solve_frame(float(frame), posed, settings, {}, start=scene.frame_start))
+        result.append(solve_frame(fine, float(frame), posed, settings, {}, start=scene.frame_start))
     bpy.data.objects.remove(twin)
     return fine, result
 

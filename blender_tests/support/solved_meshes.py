@@ -8,6 +8,7 @@ import numpy as np
 from rumple.core.base_mesh import BaseMesh
 from rumple.core.engine import FrameResult, Wrinkles
 from rumple.core.wrinkle_mesh import WrinkleMesh
+from support.frames import solve_frame
 from support.meshes import quad_mesh
 
 BOX = np.array([(0, 3, 2, 1), (4, 5, 6, 7), (0, 1, 5, 4), (1, 2, 6, 5), (2, 3, 7, 6), (3, 0, 4, 7)])
@@ -31,8 +32,8 @@ def solved(base: BaseMesh, settings: Any, positions: np.ndarray, system: type[Wr
            in_viewport: bool = False, **more: Any) -> tuple[Wrinkles, FrameResult]:
     """One frame of it, on its own."""
     mesh = system.build(base, settings, **more)
-    result = mesh.solve_frame(1.0, np.ascontiguousarray(positions, np.float32), settings, {}, start=1,
-                              world_from_object=np.eye(3), in_viewport=in_viewport)
+    result = solve_frame(mesh, 1.0, np.ascontiguousarray(positions, np.float32), settings, {}, start=1,
+                         world_from_object=np.eye(3), in_viewport=in_viewport)
     assert isinstance(result, FrameResult)
     return mesh, result
 

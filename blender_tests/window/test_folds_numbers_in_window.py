@@ -12,6 +12,7 @@ from rumple.blender.viewport import glsl, gpu_arrays, preview, preview_paths
 from rumple.core import engine
 from rumple.core.settings import PathsSettings
 from rumple.core.wrinkle_paths import WrinklePaths
+from support.frames import solve_frame
 from support.window_case import WindowCase
 
 SIDE = 400  # pixels of the drawings into a buffer
@@ -51,7 +52,7 @@ class Sheet:
         for frame in range(1, 16):  # folds rise in some frames
             share = min(frame / 6.0, 1.0)
             pose = ((1.0 - share) * rest + share * self.pose).astype(np.float32)
-            self.sketch = self.fine.solve_frame(float(frame), pose, self.settings, {}, start=1, for_preview=True)
+            self.sketch = solve_frame(self.fine, float(frame), pose, self.settings, {}, start=1, for_preview=True)
         self.drawing = self.sketch.drawing
         self.native_settings = self.fine._native_settings(self.settings)
 

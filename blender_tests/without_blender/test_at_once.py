@@ -14,6 +14,7 @@ from rumple.core.engine import FrameResult, UserError, Wrinkles
 from rumple.core.frame_input import FrameRequest
 from rumple.core.settings import FieldSettings, MeshSettings, PathsSettings
 from rumple.core.systems import SYSTEMS
+from support.frames import solve_frame
 from support.meshes import compressed, tube
 
 FRAMES = range(1, 6)
@@ -98,8 +99,8 @@ class Solved(unittest.TestCase):
     def test_a_frame_in_two_halves_is_that_of_one_call(self) -> None:
         for number, (whole, halves) in enumerate(zip(self.built(), self.built())):
             for frame in FRAMES:
-                one = whole.solve_frame(float(frame), self.clip[frame], GARMENTS[number][1], {}, start=1,
-                                        world_from_object=np.eye(3, dtype=np.float32))
+                one = solve_frame(whole, float(frame), self.clip[frame], GARMENTS[number][1], {}, start=1,
+                                  world_from_object=np.eye(3, dtype=np.float32))
                 other = halves.finish_frame(halves.find_frame(self.request(number, frame)))
                 self.assertTrue(one.shows_the_same(other))
             self.assertEqual(whole.frame_cache.frames(), halves.frame_cache.frames())

@@ -17,6 +17,7 @@ from rumple.core.engine import FrameResult, Wrinkles
 from rumple.core.settings import FieldSettings, MeshSettings, PathsSettings
 from rumple.core.surroundings import Field, Surroundings
 from rumple.core.systems import SYSTEMS
+from support.frames import solve_frame
 from support.meshes import tube
 
 FRAMES, KEPT = range(1, 9), 4
@@ -56,9 +57,9 @@ class Played:
         inside = np.ascontiguousarray(self.body.positions * (0.8, 0.8, squeeze), np.float32)
         worn = Body(inside, self.body.corner_vertex[self.body.triangle_corner])
         cloth = self.settings.base_cloth != "OFF"
-        found = fine.solve_frame(float(frame), positions, settings or self.settings, {}, start=1,
-                                 world_from_object=np.eye(3, dtype=np.float32), body=worn if cloth else None,
-                                 surroundings=Surroundings((0.01 * frame, 0.0, 0.0), fields=BLOWS, frame=frame))
+        found = solve_frame(fine, float(frame), positions, settings or self.settings, {}, start=1,
+                            world_from_object=np.eye(3, dtype=np.float32), body=worn if cloth else None,
+                            surroundings=Surroundings((0.01 * frame, 0.0, 0.0), fields=BLOWS, frame=frame))
         assert isinstance(found, FrameResult)
         return found
 

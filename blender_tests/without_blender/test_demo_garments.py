@@ -23,6 +23,7 @@ from rumple.core.base_mesh import BaseMesh  # noqa: E402
 from rumple.core.body import Body  # noqa: E402
 from rumple.core.settings import MeshSettings  # noqa: E402
 from rumple.core.wrinkle_mesh import WrinkleMesh, cloth_defaults  # noqa: E402
+from support.frames import solve_frame  # noqa: E402
 
 
 class Script(unittest.TestCase):
@@ -134,9 +135,9 @@ class AtRest(unittest.TestCase):
         body = Body(np.ascontiguousarray(skin, np.float32), fans(skin_quads))
         settings = MeshSettings(**{**cloth_defaults(base, 1.0, np.eye(3)), "slack": slack})
         fine = WrinkleMesh.build(base, settings)
-        without, folded = (fine.solve_frame(
-            1.0, base.positions, replace(settings, **dict.fromkeys(("drape", "folds", "detail"), share)), {}, start=1,
-            body=body, world_from_object=np.eye(3, dtype=np.float32)).positions.copy() for share in (0.0, 1.0))
+        without, folded = (solve_frame(
+            fine, 1.0, base.positions, replace(settings, **dict.fromkeys(("drape", "folds", "detail"), share)), {},
+            start=1, body=body, world_from_object=np.eye(3, dtype=np.float32)).positions.copy() for share in (0.0, 1.0))
         return without, folded, fans(fine.shown.corner_vertex.reshape(-1, 4))
 
     def turned(self, slack: float) -> tuple[float, float]:

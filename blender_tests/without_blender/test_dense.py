@@ -11,6 +11,7 @@ from rumple.core.base_mesh import BaseMesh
 from rumple.core.body import Body
 from rumple.core.settings import MeshSettings
 from rumple.core.wrinkle_mesh import WrinkleMesh, cloth_defaults, coarse_mesh
+from support.frames import solve_frame
 from support.meshes import tube
 
 # 10 cm wide and 50 cm long, as a sleeve is.
@@ -42,7 +43,7 @@ class Dense(unittest.TestCase):
 
     def solve(self, frame: int, factor: float, **values: Any) -> Any:
         positions = pushed_together(self.base, factor)
-        return self.mesh.solve_frame(float(frame), positions, replace(self.settings, **values), {}, start=1)
+        return solve_frame(self.mesh, float(frame), positions, replace(self.settings, **values), {}, start=1)
 
     def test_it_is_solved_on_fewer_vertices_and_shown_on_all(self) -> None:
         self.assertIsNotNone(self.mesh.coarse)
@@ -59,7 +60,7 @@ class Dense(unittest.TestCase):
             self.assertEqual(mesh.coarse is None, around == 21)
             for frame in range(1, 6):
                 pushed = pushed_together(base, 1.0 - 0.04 * frame)
-                picture = mesh.solve_frame(float(frame), pushed, settings, {}, start=1)
+                picture = solve_frame(mesh, float(frame), pushed, settings, {}, start=1)
             heights.append(float(np.sqrt((picture.offset ** 2).sum(axis=1).mean())))
         # Slanted sides of triangles turn where cloth unfolds, and are held to their direction; quads have none.
         self.assertLess(max(abs(height - heights[0]) for height in heights), 0.5 * heights[0], heights)
@@ -94,7 +95,7 @@ class Dense(unittest.TestCase):
     def test_paint_counts_where_it_is_painted(self) -> None:
         half = self.base.positions[:, 2] < np.median(self.base.positions[:, 2])
         paint = {"radius": np.where(half, 0.0, 1.0).astype(np.float32), "follow": np.ones(len(half), np.float32)}
-        picture = self.mesh.solve_frame(1.0, pushed_together(self.base, 0.8), self.settings, paint, start=1)
+        picture = solve_frame(self.mesh, 1.0, pushed_together(self.base, 0.8), self.settings, paint, start=1)
         height = np.linalg.norm(picture.offset, axis=1)
         low = self.mesh.positions_rest[:, 2] < np.quantile(self.base.positions[:, 2], 0.35)
         high = self.mesh.positions_rest[:, 2] > np.quantile(self.base.positions[:, 2], 0.65)
@@ -107,7 +108,7 @@ class Dense(unittest.TestCase):
 
     def test_painting_what_is_suggested_changes_nothing(self) -> None:
         pushed = pushed_together(self.base, 0.9)
-        solve = lambda paint: self.mesh.solve_frame(1.0, pushed, self.settings, paint, start=1).positions
+        solve = lambda paint: solve_frame(self.mesh, 1.0, pushed, self.settings, paint, start=1).positions
         np.testing.assert_array_equal(solve({}), solve({"follow": self.mesh.suggested_follow(self.settings)}))
 
     def test_a_loose_vertex_does_no_harm(self) -> None:
@@ -131,8 +132,8 @@ class Dense(unittest.TestCase):
         body = Body(inner.positions, np.ascontiguousarray(inner.corner_vertex[inner.triangle_corner]))
         picture = None
         for frame in range(1, 6):
-            picture = self.mesh.solve_frame(float(frame), pushed_together(self.base, 1.0 - 0.03 * frame), self.settings,
-                                            {}, start=1, body=body)
+            picture = solve_frame(self.mesh, float(frame), pushed_together(self.base, 1.0 - 0.03 * frame),
+                                  self.settings, {}, start=1, body=body)
         middle = np.abs(picture.positions[:, 2] - picture.positions[:, 2].mean()) < 0.3 * LENGTH
         radius = np.linalg.norm(picture.positions[middle, :2], axis=1)
         self.assertGreater(radius.min(), 0.95 * WIDTH / 2.0 * np.cos(np.pi / 40.0) - 1e-4)

@@ -15,7 +15,8 @@ from rumple.core.engine import UserError
 from rumple.core.frame_cache import CachedFrame, FrameCache
 from rumple.core.presets import MESH_PRESETS
 from rumple.core.settings import MeshSettings
-from rumple.core.wrinkle_mesh import WrinkleMesh, suggested_wavelength, level_for, wavelength_of
+from rumple.core.wrinkle_mesh import WrinkleMesh, level_for, suggested_wavelength, wavelength_of
+from support.frames import solve_frame
 from support.meshes import compressed, quad_mesh, rotated, sheet, tube
 
 SETTINGS = MeshSettings(density="LEVEL", level=2)
@@ -34,7 +35,7 @@ class FrameLaws(unittest.TestCase):
         self.clip = clip(self.base)
 
     def solve(self, frame: int, mesh: WrinkleMesh | None = None, settings: MeshSettings = SETTINGS) -> Any:
-        return (mesh or self.mesh).solve_frame(float(frame), self.clip[frame], settings, {}, start=1)
+        return solve_frame((mesh or self.mesh), float(frame), self.clip[frame], settings, {}, start=1)
 
     def play(self, mesh: WrinkleMesh | None = None) -> list[np.ndarray]:
         return [self.solve(f, mesh).positions for f in FRAMES]
@@ -64,12 +65,12 @@ class FrameLaws(unittest.TestCase):
             mesh, other = WrinkleMesh.build(base, settings, viewport_steps=0), WrinkleMesh.build(base, settings)
             self.assertIsNone(other.in_viewport)
             for frame in FRAMES:
-                fewer = mesh.solve_frame(float(frame), poses[frame], settings, {}, start=1, in_viewport=True)
+                fewer = solve_frame(mesh, float(frame), poses[frame], settings, {}, start=1, in_viewport=True)
                 self.assertEqual(len(fewer.positions), mesh.in_viewport.vertex_count)
                 self.assertLess(len(fewer.positions), mesh.vertex_count)
             for frame in FRAMES:
-                render = mesh.solve_frame(float(frame), poses[frame], settings, {}, start=1)
-                expected = other.solve_frame(float(frame), poses[frame], settings, {}, start=1)
+                render = solve_frame(mesh, float(frame), poses[frame], settings, {}, start=1)
+                expected = solve_frame(other, float(frame), poses[frame], settings, {}, start=1)
                 self.assertTrue(render.replayed)
                 np.testing.assert_array_equal(render.positions, expected.positions)
 
@@ -109,7 +110,7 @@ class FrameLaws(unittest.TestCase):
             (np.float32(0.0), triangle), (np.float32(1.0), triangle), (np.float32(0.0), triangle[:, ::-1].copy())))
         replayed = []
         for body in (None, None, here, Body(here.positions.copy(), triangle.copy()), there, turned, None):
-            picture = self.mesh.solve_frame(1.0, self.clip[1], SETTINGS, {}, start=1, body=body)
+            picture = solve_frame(self.mesh, 1.0, self.clip[1], SETTINGS, {}, start=1, body=body)
             replayed.append(picture.replayed)
         self.assertEqual(replayed, [False, True, False, True, False, False, False])
         self.assertTrue(here.same_as(Body(here.positions.copy(), triangle.copy())))
@@ -120,7 +121,7 @@ class FrameLaws(unittest.TestCase):
         self.solve(8, settings=replace(SETTINGS, radius=0.5))
         self.assertEqual(len(self.mesh.frame_cache.frames()), 1)
         weights = np.zeros(len(self.base.positions), np.float32)
-        flat = self.mesh.solve_frame(5.0, self.clip[5], SETTINGS, {"radius": weights}, start=1)
+        flat = solve_frame(self.mesh, 5.0, self.clip[5], SETTINGS, {"radius": weights}, start=1)
         self.assertEqual(float(np.abs(flat.offset).max()), 0.0)
 
     def test_an_animated_setting_keeps_the_frames_and_their_order_does_not_matter(self) -> None:
@@ -202,8 +203,8 @@ class FrameLaws(unittest.TestCase):
         poses = list(self.clip)[:3]
 
         def shown(mesh: WrinkleMesh, frame: int, in_viewport: bool) -> np.ndarray:
-            return mesh.solve_frame(float(frame), self.clip[frame], SETTINGS, {}, start=1,
-                                    in_viewport=in_viewport).positions
+            return solve_frame(mesh, float(frame), self.clip[frame], SETTINGS, {}, start=1,
+                               in_viewport=in_viewport).positions
 
         expected = {(frame, where): shown(other, frame, where) for where in (False, True) for frame in poses}
         for _ in range(2):
@@ -265,7 +266,7 @@ class PictureLaws(unittest.TestCase):
     def test_the_rest_pose_has_stretch_one_and_stays_at_rest(self) -> None:
         base = tube(16, 8)
         settings = replace(SETTINGS, prestretch=1.0)
-        picture = WrinkleMesh.build(base, settings).solve_frame(1.0, base.positions, settings, {}, start=1)
+        picture = solve_frame(WrinkleMesh.build(base, settings), 1.0, base.positions, settings, {}, start=1)
         np.testing.assert_allclose(picture.attributes["rumple_stretch_min"], 1.0, atol=1e-5)
         np.testing.assert_allclose(picture.attributes["rumple_stretch_max"], 1.0, atol=1e-5)
         self.assertLess(float(np.abs(picture.offset).max()), 1e-6)
@@ -273,7 +274,7 @@ class PictureLaws(unittest.TestCase):
     def test_stretch_of_a_squeezed_sheet_is_its_squeeze_and_direction(self) -> None:
         base = sheet(6, 6)
         squeezed = compressed(compressed(base.positions, 0.8, axis=0), 1.1, axis=1)
-        picture = WrinkleMesh.build(base, SETTINGS).solve_frame(1.0, squeezed, SETTINGS, {}, start=1)
+        picture = solve_frame(WrinkleMesh.build(base, SETTINGS), 1.0, squeezed, SETTINGS, {}, start=1)
         np.testing.assert_allclose(picture.attributes["rumple_stretch_min"], 0.8, atol=1e-5)
         np.testing.assert_allclose(picture.attributes["rumple_stretch_max"], 1.1, atol=1e-5)
         np.testing.assert_allclose(np.abs(picture.attributes["rumple_stretch_direction"][:, 0]), 1.0, atol=1e-4)
@@ -282,7 +283,7 @@ class PictureLaws(unittest.TestCase):
         base = tube(12, 10)
         mesh = WrinkleMesh.build(base, SETTINGS)
         pose = rotated(compressed(base.positions, 0.75), 40.0)
-        picture = mesh.solve_frame(1.0, pose, SETTINGS, {}, start=1)
+        picture = solve_frame(mesh, 1.0, pose, SETTINGS, {}, start=1)
         p0, p1, p2 = (pose[mesh.triangle_vertex[:, k]].astype(np.float64) for k in range(3))
         unit = lambda v: v / np.linalg.norm(v, axis=1, keepdims=True)
         tangent, normal = unit(p1 - p0), unit(np.cross(p1 - p0, p2 - p0))
@@ -296,7 +297,7 @@ class PictureLaws(unittest.TestCase):
         for name, preset in MESH_PRESETS.items():
             settings = replace(SETTINGS, **preset.values)
             mesh = WrinkleMesh.build(base, settings)
-            picture = mesh.solve_frame(1.0, compressed(base.positions, 0.75), settings, {}, start=1)
+            picture = solve_frame(mesh, 1.0, compressed(base.positions, 0.75), settings, {}, start=1)
             self.assertTrue(np.isfinite(picture.positions).all(), name)
             self.assertGreater(float(np.linalg.norm(picture.offset, axis=1).max()), 1e-4, name)
 
@@ -325,10 +326,9 @@ class FineMesh(unittest.TestCase):
         np.testing.assert_allclose(spans, 1 / 8, atol=1e-6)  # no face reaches over the seam
 
     def test_own_mesh_keeps_its_rest_shape(self) -> None:
-        base, own = tube(12, 6), tube(40, 30, radius=0.052)
-        settings = replace(SETTINGS, source="OBJECT", prestretch=1.0)
-        mesh = WrinkleMesh.build(base, settings, own=own)
-        picture = mesh.solve_frame(1.0, base.positions, settings, {}, start=1)
+        base, settings = tube(12, 6), replace(SETTINGS, source="OBJECT", prestretch=1.0)
+        mesh = WrinkleMesh.build(base, settings, own=tube(40, 30, radius=0.052))
+        picture = solve_frame(mesh, 1.0, base.positions, settings, {}, start=1)
         np.testing.assert_allclose(picture.positions, mesh.positions_rest, atol=1e-6)
 
     def test_own_mesh_says_how_many_vertices_are_not_attached(self) -> None:
@@ -356,7 +356,7 @@ class KeptApart(unittest.TestCase):
         settings = MeshSettings(density="LEVEL", level=2, layers="CLOTH", prestretch=1.1)
         mesh = WrinkleMesh.build(base, settings)
         for positions, kept in ((base.positions, False), (bent_to_a_u(base.positions, 0.004), True)):
-            picture = mesh.solve_frame(1.0 + kept, positions, settings, {}, start=1)
+            picture = solve_frame(mesh, 1.0 + kept, positions, settings, {}, start=1)
             status = "\n".join(mesh.status(picture))
             (self.assertRegex if kept else self.assertNotRegex)(status, r"\d+ vertices kept from crossing")
 
@@ -388,11 +388,11 @@ class BadInput(unittest.TestCase):
     def test_a_bad_pose_is_refused_and_the_stored_frames_stay(self) -> None:
         base = sheet(4, 4)
         mesh = WrinkleMesh.build(base, SETTINGS)
-        mesh.solve_frame(1.0, base.positions, SETTINGS, {}, start=1)
+        solve_frame(mesh, 1.0, base.positions, SETTINGS, {}, start=1)
         bad = base.positions.copy()
         bad[3, 0] = np.inf
         with self.assertRaisesRegex(UserError, r"^Sheet: .*\b3\b"):
-            mesh.solve_frame(2.0, bad, SETTINGS, {}, start=1)
+            solve_frame(mesh, 2.0, bad, SETTINGS, {}, start=1)
         self.assertEqual(mesh.frame_cache.frames(), [(1.0, True)])
 
 

@@ -13,6 +13,7 @@ from rumple.core.layers import FINEST_HEM, layer_settings
 from rumple.core.presets import MESH_PRESETS, PATHS_PRESETS
 from rumple.core.settings import MeshSettings
 from rumple.core.wrinkle_mesh import WrinkleMesh, halvings, layers_for, wavelength_of
+from support.frames import solve_frame
 from support.meshes import compressed, tube
 
 CLOTH = MeshSettings(base_cloth="HANG", layers="CLOTH", room=0.02, thickness=0.002, hem_rings=0)
@@ -89,7 +90,7 @@ class Wavelengths(unittest.TestCase):
         self.assertAlmostEqual(halvings(self.base.mean_edge(), begins), 1.2501, 6)
         mesh = WrinkleMesh.build(self.base, settings)
         self.assertEqual(mesh.level, 2)
-        shown = lambda values: mesh.solve_frame(1.0, squeezed, replace(settings, **values), {}, start=1).positions
+        shown = lambda values: solve_frame(mesh, 1.0, squeezed, replace(settings, **values), {}, start=1).positions
         np.testing.assert_allclose(shown({}), shown(dict(detail=0.0)), atol=1e-5)
         mesh.finest_share = 1.0
         self.assertGreater(np.abs(shown(dict(seed=1)) - shown(dict(detail=0.0))).max(), 1e-4)

@@ -15,6 +15,7 @@ from rumple.core.settings import FieldSettings, MeshSettings, PathsSettings
 from rumple.core.wrinkle_field import WrinkleField
 from rumple.core.wrinkle_mesh import WrinkleMesh
 from rumple.core.wrinkle_paths import WrinklePaths
+from support.frames import solve_frame
 from support.meshes import compressed, rotated, sheet, tube
 
 SPACING, DEPTH, COUNT = 0.04, 0.008, 3
@@ -36,7 +37,7 @@ def guide(points: Any, kind: int = PLEATS, count: int = COUNT, line: int = 0, fa
 def solved(base: BaseMesh, system: Any, settings: Any, guides: np.ndarray | None, positions: np.ndarray) -> Any:
     mesh = system.build(base, settings)
     paint = {} if guides is None else {GUIDES: guides}
-    return mesh, mesh.solve_frame(1.0, positions, settings, paint, start=1)
+    return mesh, solve_frame(mesh, 1.0, positions, settings, paint, start=1)
 
 
 def crest_direction(points: np.ndarray, heights: np.ndarray) -> np.ndarray:

@@ -11,6 +11,7 @@ import numpy as np
 from rumple.core.frame_cache import CachedFrame, FrameCache
 from rumple.core.wrinkle_mesh import WrinkleMesh
 from test_engine import FRAMES, SETTINGS, clip
+from support.frames import solve_frame
 from support.meshes import tube
 
 
@@ -69,13 +70,13 @@ class Cleared(unittest.TestCase):
         poses, other = clip(base), replace(SETTINGS, radius=0.6)
         mesh, fresh = (WrinkleMesh.build(base, SETTINGS) for _ in range(2))
         for frame in FRAMES:
-            mesh.solve_frame(float(frame), poses[frame], SETTINGS, {}, start=1)
+            solve_frame(mesh, float(frame), poses[frame], SETTINGS, {}, start=1)
         mesh.settings_are_keyed = False
-        jumped, alone = (one.solve_frame(5.0, poses[5], other, {}, start=1) for one in (mesh, fresh))
+        jumped, alone = (solve_frame(one, 5.0, poses[5], other, {}, start=1) for one in (mesh, fresh))
         self.assertEqual(mesh.frame_cache.frames(), [(5.0, False)])
         np.testing.assert_array_equal(jumped.positions, alone.positions)
         mesh.settings_are_keyed = True
-        mesh.solve_frame(6.0, poses[6], SETTINGS, {}, start=1)
+        solve_frame(mesh, 6.0, poses[6], SETTINGS, {}, start=1)
         self.assertEqual([frame for frame, _ in mesh.frame_cache.frames()], [5.0, 6.0])
 
 

@@ -16,6 +16,7 @@ from rumple.core.settings import FieldSettings, MeshSettings, PathsSettings
 from rumple.core.wrinkle_field import WrinkleField
 from rumple.core.wrinkle_mesh import WrinkleMesh
 from rumple.core.wrinkle_paths import WrinklePaths
+from support.frames import solve_frame
 from support.meshes import rotated, sheet, tube
 
 SIDE, SQUEEZE, REACH, WAVELENGTH = 0.5, 0.85, 0.3, 0.06
@@ -38,7 +39,7 @@ def way(degrees: float) -> np.ndarray:
 
 def play(system: Any, settings: Any, base: BaseMesh, posed: np.ndarray, paint: dict[str, np.ndarray]) -> Any:
     mesh = system.build(base, settings)
-    return mesh, [mesh.solve_frame(float(frame), posed, settings, paint, start=1) for frame in (1, 2, 3)][-1]
+    return mesh, [solve_frame(mesh, float(frame), posed, settings, paint, start=1) for frame in (1, 2, 3)][-1]
 
 
 def crest_direction(points: np.ndarray, heights: np.ndarray) -> np.ndarray:

@@ -11,6 +11,7 @@ from rumple.core.hangs_free import FREE
 from rumple.core.settings import MeshSettings
 from rumple.core.triangles import at_border
 from rumple.core.wrinkle_mesh import WrinkleMesh
+from support.frames import solve_frame
 from support.meshes import compressed, tube
 
 CHAIN = np.stack([np.arange(9), np.arange(1, 10)], 1)  # edges
@@ -89,8 +90,8 @@ class Solved(unittest.TestCase):
                               **settings)
         across = np.array(((1, 0, 0), (0, 0, -1), (0, 1, 0)), np.float32)  # its axis lies: the loose end falls
         for frame in range(1, 4):
-            system.solve_frame(float(frame), self.base.positions, chosen, {"follow": self.follow, **paint}, start=1,
-                               world_from_object=across)
+            solve_frame(system, float(frame), self.base.positions, chosen, {"follow": self.follow, **paint}, start=1,
+                        world_from_object=across)
         moved = system.solved_over(3.0, self.base.positions) - self.base.positions
         return np.linalg.norm(moved, axis=1)
 
@@ -117,8 +118,8 @@ class Solved(unittest.TestCase):
             chosen = MeshSettings(layers="CLOTH", wavelength=0.04, base_cloth="HANG", gravity=0.0, folds=0.0,
                                   detail=0.0)
             system = WrinkleMesh.build(base, chosen)
-            shown = system.solve_frame(1.0, squeezed, chosen, {"follow": np.ones_like(base.positions[:, 0]), **paint},
-                                       start=1)
+            shown = solve_frame(system, 1.0, squeezed, chosen, {"follow": np.ones_like(base.positions[:, 0]), **paint},
+                                start=1)
             height.append(np.sqrt((shown.offset ** 2).sum(axis=1).mean()))
         self.assertGreater(height[1], 1.5 * height[0], height)
 
@@ -128,8 +129,8 @@ class Solved(unittest.TestCase):
             chosen = MeshSettings(layers="CLOTH", wavelength=0.05, base_cloth="OFF", drape=0.0, folds=0.0)
             system = WrinkleMesh.build(self.base, chosen)
             for frame in range(1, 5):
-                shown = system.solve_frame(float(frame), compressed(self.base.positions, 1.02 - 0.04 * frame), chosen,
-                                           paint, start=1)
+                shown = solve_frame(system, float(frame), compressed(self.base.positions, 1.02 - 0.04 * frame), chosen,
+                                    paint, start=1)
             results.append((system.shown.positions_rest[:, 2], np.sqrt((shown.offset ** 2).sum(axis=1))))
         (along, everywhere), (_, painted) = results
         free, worn = (along > 0.4) & (along < 0.55), along < 0.2

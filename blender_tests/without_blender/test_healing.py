@@ -13,6 +13,7 @@ from rumple.core.settings import FieldSettings, MeshSettings, PathsSettings
 from rumple.core.wrinkle_field import WrinkleField
 from rumple.core.wrinkle_mesh import WrinkleMesh, cloth_defaults
 from rumple.core.wrinkle_paths import WrinklePaths
+from support.frames import solve_frame
 from support.meshes import compressed, quad_mesh, tube
 
 SETTINGS = MeshSettings(density="LEVEL", level=1, display_steps=0)
@@ -61,7 +62,7 @@ def moebius() -> BaseMesh:
 
 def squeezed_offsets(base: BaseMesh, settings: MeshSettings = SETTINGS) -> tuple[WrinkleMesh, np.ndarray]:
     mesh = WrinkleMesh.build(base, settings)
-    frame = mesh.solve_frame(1.0, compressed(base.positions, 0.8), settings, {}, start=1)
+    frame = solve_frame(mesh, 1.0, compressed(base.positions, 0.8), settings, {}, start=1)
     return mesh, frame.positions
 
 
@@ -143,7 +144,7 @@ class Healing(unittest.TestCase):
         base = with_fin(doubled(turned(self.base, [3, 40]), np.array([7]), True))
         mesh = WrinkleMesh.build(base, SETTINGS)
         moved = base.positions + np.float32(0.25)
-        frame = mesh.solve_frame(1.0, moved, SETTINGS, {}, start=1)
+        frame = solve_frame(mesh, 1.0, moved, SETTINGS, {}, start=1)
         np.testing.assert_allclose(frame.positions, mesh.positions_rest + 0.25, atol=2e-6)
 
     def test_all_systems_solve_what_is_broken_and_answer_in_the_artists_numbering(self) -> None:
@@ -154,7 +155,7 @@ class Healing(unittest.TestCase):
                                  (WrinklePaths, PathsSettings(width=0.02)),
                                  (WrinkleMesh, MeshSettings(**cloth_defaults(base, 1.0, np.eye(3))))):
             mesh: Wrinkles = system.build(base, settings)
-            frame = mesh.solve_frame(1.0, posed, settings, paint if system is not WrinkleMesh else {}, start=1)
+            frame = solve_frame(mesh, 1.0, posed, settings, paint if system is not WrinkleMesh else {}, start=1)
             self.assertEqual(len(frame.positions), mesh.vertex_count)
             self.assertTrue(np.isfinite(frame.positions).all())
             self.assertLess(mesh.triangle_vertex.max(), len(base.positions))
@@ -167,7 +168,7 @@ class Healing(unittest.TestCase):
             if system is WrinklePaths:
                 curves = mesh.curves(1.0, posed, settings)
                 self.assertTrue(len(curves.corners) == 0 or curves.corners.max() < len(base.positions))
-                preview = mesh.solve_frame(1.0, posed, settings, paint, start=1, for_preview=True)
+                preview = solve_frame(mesh, 1.0, posed, settings, paint, start=1, for_preview=True)
                 self.assertEqual(len(preview.proxy_offset), len(base.positions))
 
     def test_the_brush_paints_vertices_of_the_artist(self) -> None:

@@ -18,6 +18,7 @@ from rumple.core.kept_frames import SUFFIX, KeptFrames
 from rumple.core.settings import FieldSettings, MeshSettings, PathsSettings
 from rumple.core.surroundings import Field, Surroundings
 from rumple.core.systems import SYSTEMS
+from support.frames import solve_frame
 from support.meshes import tube
 
 HANG = dict(base_cloth="HANG", room=0.02, thickness=0.002)
@@ -56,9 +57,9 @@ class KeptOnDisk(unittest.TestCase):
         positions = np.ascontiguousarray(self.base.positions * (1.0, 1.0, squeeze), np.float32)
         about: dict[str, Any] = dict(settings=KINDS[kind][1], paint={}, start=1)
         about.update(more)
-        found = fine.solve_frame(float(frame), positions, about.pop("settings"), about.pop("paint"),
-                                 world_from_object=np.eye(3, dtype=np.float32),
-                                 surroundings=Surroundings((0.01 * frame, 0.0, 0.0), fields=BLOWS), **about)
+        found = solve_frame(fine, float(frame), positions, about.pop("settings"), about.pop("paint"),
+                            world_from_object=np.eye(3, dtype=np.float32),
+                            surroundings=Surroundings((0.01 * frame, 0.0, 0.0), fields=BLOWS), **about)
         assert isinstance(found, FrameResult)
         return found
 

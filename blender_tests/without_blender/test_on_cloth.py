@@ -15,6 +15,7 @@ from rumple.core.cloth_settings import ClothSettings
 from rumple.core.engine import FrameResult, Wrinkles
 from rumple.core.settings import FieldSettings, PathsSettings
 from rumple.core.systems import SYSTEMS
+from support.frames import solve_frame
 from support.meshes import rotated, tube
 
 FRAMES = range(1, 9)
@@ -52,8 +53,8 @@ class OnCloth(unittest.TestCase):
     def solve(self, fine: Wrinkles, frame: int, settings: Any, positions: np.ndarray | None = None,
               paint: dict | None = None, **options: Any) -> FrameResult:
         options = {"world_from_object": np.eye(3, dtype=np.float32), **options}
-        return fine.solve_frame(float(frame), self.clip[frame] if positions is None else positions, settings,
-                                paint or {}, start=1, **options)
+        return solve_frame(fine, float(frame), self.clip[frame] if positions is None else positions, settings,
+                           paint or {}, start=1, **options)
 
     def same(self, one: FrameResult, other: FrameResult, offsets: bool = True) -> None:
         np.testing.assert_array_equal(one.positions, other.positions)

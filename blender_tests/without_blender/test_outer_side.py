@@ -12,6 +12,7 @@ from rumple.core.base_mesh import BaseMesh
 from rumple.core.body import Body
 from rumple.core.settings import MeshSettings
 from rumple.core.wrinkle_mesh import WrinkleMesh, cloth_defaults, suits_cloth
+from support.frames import solve_frame
 from support.meshes import quad_mesh, tube
 
 AROUND, ALONG, RADIUS, LENGTH, THICKNESS = 21, 17, 0.1, 0.5, 0.004
@@ -43,8 +44,8 @@ class Sleeve(unittest.TestCase):
 
     def played(self, mesh: WrinkleMesh, settings: MeshSettings, body: Body | None = None) -> Any:
         for frame in range(1, 6):
-            picture = mesh.solve_frame(float(frame), pushed_together(mesh.base, 1.0 - 0.04 * frame), settings, {},
-                                       start=1, body=body)
+            picture = solve_frame(mesh, float(frame), pushed_together(mesh.base, 1.0 - 0.04 * frame), settings, {},
+                                  start=1, body=body)
         return picture
 
     def test_its_outer_side_has_the_openings_of_a_garment(self) -> None:
@@ -110,7 +111,7 @@ class Sleeve(unittest.TestCase):
 
     def test_rest_without_gravity_stays_where_it_was_modelled(self) -> None:
         still = replace(self.settings, gravity=0.0, slack=1.0, radius=0.0, room=0.0)
-        picture = self.mesh.solve_frame(1.0, self.base.positions, still, {}, start=1)
+        picture = solve_frame(self.mesh, 1.0, self.base.positions, still, {}, start=1)
         np.testing.assert_allclose(picture.positions, self.mesh.positions_rest, atol=1e-6)
 
 

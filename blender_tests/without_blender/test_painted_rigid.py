@@ -13,6 +13,7 @@ from rumple.core.settings import FieldSettings, MeshSettings, PathsSettings
 from rumple.core.wrinkle_field import WEIGHT, WrinkleField
 from rumple.core.wrinkle_mesh import WrinkleMesh
 from rumple.core.wrinkle_paths import WrinklePaths
+from support.frames import solve_frame
 from support.meshes import compressed, quad_mesh, rotated, sheet, tube
 
 WIDTH = 0.03  # of folds, metres
@@ -66,9 +67,9 @@ class PaintedRigid(unittest.TestCase):
         world = np.linalg.inv(rotated(np.eye(3), turn) - rotated(np.zeros((3, 3)), turn)).T
         for number, pose in enumerate(self.poses):
             pose = rotated(pose, turn) if turn else pose
-            result = mesh.solve_frame(1.0 + number, pose, settings, paint, start=1,
-                                      in_viewport="viewport_steps" in more,
-                                      world_from_object=np.ascontiguousarray(world, np.float32))
+            result = solve_frame(mesh, 1.0 + number, pose, settings, paint, start=1,
+                                 in_viewport="viewport_steps" in more,
+                                 world_from_object=np.ascontiguousarray(world, np.float32))
         return mesh, result
 
     def test_it_has_the_shape_of_the_coarse_mesh_in_the_pose(self) -> None:
@@ -258,7 +259,7 @@ class LooseParts(unittest.TestCase):
             np.testing.assert_array_equal(np.sort(mesh.base.rigid.vertex), self.belt)
             np.testing.assert_array_equal(mesh.positions_rest[-len(self.belt):], self.base.positions[self.belt])
         pose = compressed(self.base.positions, 0.9)
-        result = mesh.solve_frame(1.0, pose, MeshSettings(density="LEVEL", level=1), {RIGID: self.weights}, start=1)
+        result = solve_frame(mesh, 1.0, pose, MeshSettings(density="LEVEL", level=1), {RIGID: self.weights}, start=1)
         self.assertEqual(len(result.positions), mesh.vertex_count)
 
     def test_painted_in_part_it_is_cloth(self) -> None:
@@ -272,7 +273,7 @@ class LooseParts(unittest.TestCase):
         self.assertIsNone(mesh.base.rigid)
         settings = MeshSettings(density="LEVEL", level=1)
         pose = compressed(self.base.positions, 0.9)
-        result = mesh.solve_frame(1.0, pose, settings, {RIGID: self.weights}, start=1)
+        result = solve_frame(mesh, 1.0, pose, settings, {RIGID: self.weights}, start=1)
         np.testing.assert_allclose(result.positions, flat(mesh, pose), atol=1e-7)
 
 

@@ -9,6 +9,7 @@ import unittest
 import numpy as np
 from rumple.core.settings import FieldSettings
 from rumple.core.wrinkle_field import WrinkleField
+from support.frames import solve_frame
 from support.meshes import compressed, sheet, tube
 
 WAVELENGTH = 0.04  # metres
@@ -23,7 +24,7 @@ SETTINGS = FieldSettings(output="GEOMETRY", wavelength=WAVELENGTH)
 def solved(base: object, paint: dict[str, np.ndarray], positions: np.ndarray) -> tuple[WrinkleField, np.ndarray]:
     """The field, and how its points (n, 3) lie off the smooth surface."""
     field = WrinkleField.build(base, SETTINGS)
-    return field, field.solve_frame(1.0, positions, SETTINGS, paint, start=1).offset
+    return field, solve_frame(field, 1.0, positions, SETTINGS, paint, start=1).offset
 
 
 class OnASheet(unittest.TestCase):

@@ -13,6 +13,7 @@ from rumple.core.settings import FieldSettings, MeshSettings, PathsSettings, ref
 from rumple.core.wrinkle_field import WrinkleField
 from rumple.core.wrinkle_mesh import WrinkleMesh
 from rumple.core.wrinkle_paths import WrinklePaths
+from support.frames import solve_frame
 from support.meshes import compressed, tube
 
 FRAMES = range(1, 13)
@@ -33,7 +34,7 @@ class OnATube(unittest.TestCase):
     def solve(self, fine: Wrinkles, frame: float, settings: Any, rate: float = 30.0, start: int = 1) -> FrameResult:
         whole, part = int(frame), np.float32(frame % 1.0)
         pose = self.clip[whole] if part == 0 else (1 - part) * self.clip[whole] + part * self.clip[whole + 1]
-        return fine.solve_frame(float(frame), pose, settings, {}, start=start, frame_rate=rate)
+        return solve_frame(fine, float(frame), pose, settings, {}, start=start, frame_rate=rate)
 
     def reference(self, fine: Wrinkles, frame: float) -> np.ndarray:
         state = fine.frame_cache.get(float(frame)).state
@@ -269,7 +270,7 @@ class SeeingAhead(OnATube):
             expected = self.by_hand(fine, settings, self.labels(fine, settings))
             self.look(fine, settings)
             for f in FRAMES:
-                fine.solve_frame(float(f), self.clip[max(f - 1, 1)], settings, {}, start=1, frame_rate=30.0)
+                solve_frame(fine, float(f), self.clip[max(f - 1, 1)], settings, {}, start=1, frame_rate=30.0)
                 self.solve(fine, f, settings)
                 self.assert_same(fine, fine.frame_cache.get(float(f)).state, expected[f - 1])
             self.assertEqual(fine.pose_mismatches, set())

@@ -13,6 +13,7 @@ from rumple.core.settings import FieldSettings, MeshSettings, PathsSettings
 from rumple.core.wrinkle_field import WrinkleField
 from rumple.core.wrinkle_mesh import WrinkleMesh
 from rumple.core.wrinkle_paths import WrinklePaths
+from support.frames import solve_frame
 from support.meshes import quad_mesh, sheet, tube
 from support.solved_meshes import box, leant, solved, together
 
@@ -147,7 +148,7 @@ class Skin(unittest.TestCase):
                 mesh = WrinkleMesh.build(base, settings)
                 for frame in (1.0, 2.0, 3.0):
                     pose = leant(base.positions) + np.float32(0.03 * frame)
-                    mesh.solve_frame(frame, pose, settings, {}, start=1, world_from_object=np.eye(3))
+                    solve_frame(mesh, frame, pose, settings, {}, start=1, world_from_object=np.eye(3))
                 worn = mesh.worn_surface(3.0, pose)
                 assert worn is not None
                 hand = pose[:self.own] if base is dense else pose[-self.own:]

@@ -14,6 +14,7 @@ from rumple.core.engine import UserError
 from rumple.core.frame_result import FrameResult, PreviewFrame
 from rumple.core.settings import FieldSettings
 from rumple.core.wrinkle_field import WrinkleField
+from support.frames import solve_frame
 from support.meshes import compressed, tube
 
 SETTINGS = FieldSettings(wavelength=0.06, irregularity=0.3)
@@ -38,8 +39,8 @@ class Waiting(unittest.TestCase):
 
     def show(self, field: WrinkleField, frame: int, for_preview: bool = False, settings: FieldSettings = SETTINGS,
              paint: dict[str, np.ndarray] | None = None, body: Body | None = None) -> FrameResult | PreviewFrame:
-        return field.solve_frame(float(frame), self.clip[frame], settings, paint or {}, start=1,
-                                 for_preview=for_preview, body=body)
+        return solve_frame(field, float(frame), self.clip[frame], settings, paint or {}, start=1,
+                           for_preview=for_preview, body=body)
 
     def same(self, frame: int, settings: FieldSettings = SETTINGS) -> None:
         """What renders show of a frame, with and without the previews before it; and the state that it leaves."""

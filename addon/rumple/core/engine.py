@@ -69,24 +69,9 @@ class Wrinkles(SystemSteps):
         self._cloth_paint: dict[str, np.ndarray] = {}
 
     # --- frames
-    def solve_frame(self, frame: float, positions: np.ndarray, settings: Any, paint: dict[str, np.ndarray], *,
-                    start: int, world_from_object: np.ndarray | None = None, frame_rate: float = 24.0,
-                    for_preview: bool = False, body: Body | None = None,
-                    surroundings: Surroundings = Surroundings(),
-                    in_viewport: bool = False) -> FrameResult | PreviewFrame:
-        """The result of a frame. It is replayed if it is stored for the same input, otherwise solved and stored.
-
-        positions: (n, 3) float32, deformed base, object space. paint: values per base vertex, by name.
-        start: first frame of the clip; it needs no frame before it. frame_rate: frames a second. for_preview: a
-        PreviewFrame is enough. body: the cloth stays outside of it. surroundings: wind and force fields for swinging
-        cloth. in_viewport: return the result of the mesh `in_viewport`, if there is one. Raises UserError.
-        """
-        return self.finish_frame(self.find_frame(FrameRequest(
-            frame, positions, settings, paint, start, world_from_object, frame_rate, for_preview, body, surroundings,
-            in_viewport)))
-
     def find_frame(self, request: FrameRequest) -> FoundFrame:
-        """Look a frame up, the first half of solve_frame(). Raises UserError."""
+        """Look a frame up: whether it is stored for the same input, or which state it is solved from. Raises
+        UserError."""
         began = time.perf_counter()
         positions, body = self.base.points(request.positions), request.body
         if self.base.rigid is not None and request.settings.base_cloth != "OFF":
@@ -97,8 +82,8 @@ class Wrinkles(SystemSteps):
             return self._find(request, self._take_inputs(request), self._frame_input(request), began)
 
     def finish_frame(self, found: FoundFrame) -> FrameResult | PreviewFrame:
-        """The result of a frame that was looked up last, the second half of solve_frame(). Any thread may call it.
-        Raises UserError."""
+        """The result of the frame that was looked up last: replayed if it is stored, otherwise solved and stored. Any
+        thread may call it. Raises UserError."""
         with self._refusing(found.request.frame):
             return self._finish(found)
 
