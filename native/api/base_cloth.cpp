@@ -42,6 +42,7 @@ static void pair_fields(rumple_base_cloth_settings& c, base_cloth::Settings& nat
     pair(c.smoothing, native.smoothing);
     pair(c.tube_radius, native.tube_radius);
     pair(c.flat_share, native.flat_share);
+    pair(c.hem_share, native.hem_share);
     pair(c.slack, native.slack);
     pair(c.hang, native.hang);
     pair(c.follow, native.follow);

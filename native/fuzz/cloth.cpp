@@ -11,7 +11,7 @@ rumple_base_cloth_settings cloth_settings(Bytes& bytes) {
     bytes.vary(s.stretch, s.strain_limit, s.shear, s.compression, s.compression_limit, s.folded, s.smoothing,
                s.slack, s.follow, s.room, s.gravity, s.thickness, s.unknown, s.reach, s.depth, s.spread,
                s.steps, s.start_steps, s.most_cg_iterations, s.slide_room, s.friction, s.hang, s.tube_radius,
-               s.flat_share);
+               s.flat_share, s.hem_share);
     return s;
 }
 

@@ -2,6 +2,7 @@
 // Hems lay nothing bare.
 #include <gtest/gtest.h>
 
+#include "base/smooth_step.h"
 #include "surface/cloth/hem_room.h"
 #include "tests/base_cloth_rig.h"
 
@@ -36,7 +37,8 @@ TEST(BaseClothHems, AHemDoesNotLayBareTheBorderThatItCovers) {
     const std::vector<float> room = room_at_rest(surface);
     for (size_t v = 0; v < room.size(); ++v) {
         const Vec3& p = surface.positions_rest[v];
-        const float expected = is_inner(p) ? 0.00525f + (0.2f - p.x) : 0.01225f + (p.x - 0.18f);
+        const float expected =
+            is_inner(p) ? 0.00525f + 0.15f * (0.2f - p.x) : 0.01225f + 0.15f * (p.x - 0.18f);
         EXPECT_NEAR(room[v], expected, 2e-4f) << p.x;
     }
 }
@@ -153,7 +155,48 @@ TEST(BaseClothHems, AHemDoesNotLayBareTheEndOfABody) {
     const MeshData mesh = sleeve(0.105f);
     const std::vector<float> room = room_over(mesh, arm());
     for (size_t v = 0; v < room.size(); ++v)
-        EXPECT_NEAR(room[v], 0.014f + (mesh.positions[v].x - kHem), 2e-4f) << mesh.positions[v].x;
+        EXPECT_NEAR(room[v], 0.014f + 0.15f * (mesh.positions[v].x - kHem), 2e-4f) << mesh.positions[v].x;
+}
+
+// A trouser leg hangs along -x from its upper end, and a foot tilts its hem by 22 degrees. How much the cloth
+// above the hem is crushed on one side.
+TEST(BaseClothHems, ATiltedHemCrushesTheLegAboveItLess) {
+    const Garment leg(tube(24, 25, 0.07f, 0.5f));
+    Points pose = leg.mesh.positions;
+    for (Vec3& p : pose) p.x += (1.0f - smooth_step(0.0f, 0.12f, p.x)) * 0.4f * p.z;
+    Settings settings;
+    settings.gravity = {-9.81f, 0.0f, 0.0f};
+    const auto crushed = [&](float hem_share, float held) {
+        settings.hem_share = hem_share;
+        Paint paint;
+        for (const Vec3& p : leg.mesh.positions)
+            paint.follow.push_back(p.x > 0.45f ? 1.0f : p.x < 0.01f ? held : 0.0f);
+        Result result;
+        leg.settle(settings, pose, result, paint, nullptr, 60);
+        float least = 1.0f;
+        for (const Model::Spring& spring : leg.model->springs) {
+            const Index a = spring.a, b = spring.b;
+            const bool along =
+                std::abs(leg.mesh.positions[a].x - leg.mesh.positions[b].x) > 0.5f * spring.rest;
+            if (spring.diagonal || !along) continue;
+            least = std::min(least, glm::distance(result.positions[a], result.positions[b]) / spring.rest);
+        }
+        return 1.0f - least;
+    };
+    EXPECT_LT(crushed(0.1f, 0.0f), 0.65f * crushed(1.0f, 0.0f));
+    EXPECT_EQ(crushed(0.1f, 1.0f), crushed(1.0f, 1.0f)) << "a held hem";
+}
+
+TEST(BaseClothHems, TheHemNearestAlongTheEdgesIsFound) {
+    const Garment leg(tube(12, 10, 0.07f, 0.5f));
+    for (size_t v = 0; v < leg.mesh.positions.size(); ++v) {
+        const float x = leg.mesh.positions[v].x, away = std::min(x, 0.5f - x);
+        const NearHem& near = leg.model->near_hems[v];
+        EXPECT_NEAR(near.distance, away, 1e-5f);
+        EXPECT_NEAR(std::abs(leg.mesh.positions[size_t(near.vertex)].x - x), away, 1e-5f);
+        EXPECT_EQ(share_of_smoothing(near, 0.1f, 1.0f, 0.2f), 1.0f) << "a held hem";
+        EXPECT_EQ(share_of_smoothing(near, 0.1f, 0.0f, 0.01f), away < 0.01f ? 0.1f : 1.0f);
+    }
 }
 
 // A waistband over a belly that was not deleted.

@@ -78,7 +78,7 @@ inline void soften(base_cloth::Settings& s) {
     s.stretch = 50.0f;
     s.shear = 5.0f;
     s.compression = 0.3f;
-    s.folded = s.smoothing = 1.0f;
+    s.folded = s.smoothing = s.hem_share = 1.0f;
 }
 
 // Of one spring over its weight: figure 6 of the paper, and the strain limit.
@@ -100,6 +100,15 @@ inline double spring_energy(const base_cloth::Settings& s, bool diagonal, double
 inline double firmness(const base_cloth::Settings& s, const base_cloth::Model::Spring& spring) {
     const double tight = std::min(double(s.tube_radius) * double(spring.curvature), 1.0);
     return std::max(tight * tight * tight * tight, double(s.flat_share));
+}
+
+// Share of smoothing that a spring has beside this one, with nothing painted: less near hems.
+inline double of_smoothing(const base_cloth::Model& model, const base_cloth::Settings& s,
+                           const base_cloth::Model::Spring& spring) {
+    const auto share = [&](Index v) {
+        return base_cloth::share_of_smoothing(model.near_hems[v], s.hem_share, 0.0f, 1.4f * s.tube_radius);
+    };
+    return double(std::min(share(spring.a), share(spring.b)));
 }
 
 // The energy of cloth that touches nothing, with nothing painted: springs, smoothing, follow, gravity. x,
@@ -126,7 +135,8 @@ inline double energy(const base_cloth::Model& model, const base_cloth::Settings&
         const double slack = 1.0 + (double(s.slack) - 1.0) * (1.0 - hang * hang);
         const double firm = firmness(s, spring);
         double e = spring_energy(s, spring.diagonal, firm, glm::length(way), slack * double(spring.rest));
-        if (!spring.diagonal) e += 0.5 * firm * s.smoothing * glm::dot(turned, turned);
+        const double smoothing = double(s.smoothing) * firm * of_smoothing(model, s, spring);
+        if (!spring.diagonal) e += 0.5 * smoothing * glm::dot(turned, turned);
         sum += spring.weight * e;
     }
     return sum;

@@ -319,7 +319,7 @@ TEST(WrinkleFieldInput, BadInputIsNamed) {
     field.paint.rest_wrinkle.assign(91, Vec3(0.0f));
     field.paint.rest_wrinkle[5] = Vec3(0.0f, 1.0f, 0.0f);
     EXPECT_EQ(refusal([&] { field.estimate_waves(rest); }),
-              "rest_wrinkle: vertex 5 has length 1.000000, expected below 1");
+              "rest_wrinkle: vertex 5 has length 1, expected below 1");
     field.paint.rest_wrinkle[5] = Vec3(std::nanf(""));
     EXPECT_EQ(refusal([&] { field.estimate_waves(rest); }), "rest_wrinkle: vertex 5 is not finite");
     field.paint = {};

@@ -151,7 +151,8 @@ def _on_render_end(*_arguments: object) -> None:
         scheduler.set_rendering(False)
         for table in _RUNTIMES:
             table.invalidate_outputs()
-    scheduler.tag_soon(obj for obj, _ours in (*modifier.wrinkled_objects(), *maps_modifier.mapped_objects()))
+    modifier.tag_soon(obj for obj, _ours in modifier.wrinkled_objects())
+    scheduler.tag_soon(obj for obj, _ours in maps_modifier.mapped_objects())
 
 
 def _pairs() -> tuple:

@@ -25,7 +25,7 @@ FOLLOW = 150.0
 # panels turn as they are pulled. This gives long folds from the shoulder to the waist
 HANGING = dict(flat_share=0.05)
 # m^2/s^2, of cotton. Swinging cloth must be able to turn freely and to come to rest, and its time steps are short.
-SWINGING = dict(stretch=50.0, shear=5.0, compression=0.3, folded=1.0, smoothing=1.0)
+SWINGING = dict(stretch=50.0, shear=5.0, compression=0.3, folded=1.0, smoothing=1.0, hem_share=1.0)
 BENT = ("compression", "folded", "smoothing")  # the values of SWINGING that grow with a fabric's bending stiffness
 THIRTIETH = 1.0 / 30.0  # s: the time that the substeps divide
 # least radius / wavelength of lines that folds may run along; from four times this value on, all folds may

@@ -54,6 +54,7 @@ typedef struct rumple_base_cloth_settings {
     float smoothing;          // resistance of edges against turning from their animated direction, >= 0
     float tube_radius;        // around a tube of radius R these three are scaled by (tube_radius / R)^4; > 0
     float flat_share;         // the least such scale, for directions along tubes and flat cloth, 0..1
+    float hem_share;          // factor on smoothing at a hem that nothing holds, 0..1
     float slack;              // length of the cloth / length of the modelled garment, > 0
     float hang[3];            // object space, length 0..1: in this direction there is no slack
     float follow;             // pull towards the animation where nothing is pinned, 1/s^2, > 0

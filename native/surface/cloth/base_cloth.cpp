@@ -68,6 +68,7 @@ void check(const Settings& settings) {
     expect_within("smoothing", settings.smoothing, 0.0, 1e12);
     expect_within("tube_radius", settings.tube_radius, 1e-9, 1e9);
     expect_within("flat_share", settings.flat_share, 0.0, 1.0);
+    expect_within("hem_share", settings.hem_share, 0.0, 1.0);
     expect_within("slack", settings.slack, 1e-3, 1e3);
     expect_within("hang", glm::length(settings.hang), 0.0, 1.0 + 1e-5);
     expect_within("follow", settings.follow, 1e-6, 1e9);

@@ -12,6 +12,7 @@
 
 #include "base/lanes.h"
 #include "surface/cloth/clearance.h"
+#include "surface/cloth/free_hems.h"
 #include "surface/cloth/hem_room.h"
 #include "surface/cloth/overlaps.h"
 #include "surface/mesh/topology.h"
@@ -31,6 +32,7 @@ struct Settings {
     float tube_radius = 0.07f;  // object units, > 0: around a tube of radius R these three count by the share
                                 // (tube_radius / R)^4, at most 1
     float flat_share = 1.0f;    // the least share, along tubes and of flat cloth, 0..1
+    float hem_share = 0.1f;     // share of smoothing at a hem that nothing holds, 0..1
     float slack = 1.0f;         // length of the cloth / length of the modelled garment, > 0
     Vec3 hang{0.0f};            // object space, length 0..1: in this direction there is no slack
     float follow = 400.0f;      // pull towards the animation where nothing is pinned, 1/s^2, > 0
@@ -102,6 +104,7 @@ struct Model {
     ClearanceModel clearance;
     std::vector<Overlap> overlaps;
     Hems hems;
+    std::vector<NearHem> near_hems;  // per vertex
     std::vector<Cover> covers;
     std::vector<float> cover_room;  // room_over_parts() at rest
 };

@@ -46,7 +46,7 @@ struct PackedPose {
     const Settings& settings;
     std::vector<Row> animated;
     std::vector<Vertices> vertices;
-    std::span<const float> cut, firmness;  // as in Pose
+    std::span<const float> cut, firmness, smoothing;  // as in Pose
     struct Inertia {
         Row from, push;
         Matrix resist;
@@ -70,7 +70,8 @@ PackedPose::PackedPose(const Cloth& cloth, std::vector<Row>& x)
       animated(rows_with_a_spare(cloth.pose.animated)),
       vertices(animated.size() / kLanes),
       cut(cloth.pose.cut),
-      firmness(cloth.pose.firmness) {
+      firmness(cloth.pose.firmness),
+      smoothing(cloth.pose.smoothing) {
     const Pose& pose = cloth.pose;
     for (size_t v = 0; v < pose.animated.size(); ++v) {
         Vertices& four = vertices[v / kLanes];
@@ -265,7 +266,7 @@ void forces(const PackedPose& pose, std::vector<Row>& x, std::vector<Row>& out, 
         const Lanes firmness = load_lanes(&pose.firmness[s * kLanes]);
         const Tension t =
             tension(settings, springs.diagonal, firmness, length, load_lanes(&pose.cut[s * kLanes]));
-        const Lanes smooth = springs.diagonal ? Lanes{} : settings.smoothing * firmness;
+        const Lanes smooth = springs.diagonal ? Lanes{} : load_lanes(&pose.smoothing[s * kLanes]);
         // The rotation of the spring away from its animated direction. It is computed from the difference, so
         // that it is exactly zero at rest.
         const Vec3Lanes animated = ends_apart(springs, pose.animated), aim = direction_of(animated);

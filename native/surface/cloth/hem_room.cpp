@@ -33,6 +33,10 @@ constexpr float kApart = 10.0f;
 // Radius over the garment's diagonal: smaller borders are of buttons, buckles and eyelets.
 constexpr float kButton = 1.0f / 80.0f;
 
+// How much more room a vertex has for each object unit from a hem. It is how much longer cloth above a hem
+// may become that stays while the cloth farther up leaves.
+constexpr float kStretchedByRoom = 0.15f;
+
 constexpr float kFar = std::numeric_limits<float>::infinity();
 
 // The hem of a part that is nearest to a place at rest; none where that is nearer than what goes together.
@@ -99,8 +103,7 @@ Behind behind(std::span<const Hems::Side> line, const Vec3& place, std::span<con
     return found;
 }
 
-// From the hems on: a vertex has the room of each vertex of a hem of its part, and as much more as it is
-// away.
+// From the hems on: a vertex has the room of each vertex of a hem of its part, and more by its distance.
 std::vector<float> room_behind(const Surface& surface, const Hems& hems, std::span<const float> of_hem,
                                float most) {
     const std::vector<Vec3>& rest = surface.positions_rest;
@@ -109,7 +112,7 @@ std::vector<float> room_behind(const Surface& surface, const Hems& hems, std::sp
         for (const Index h : hem.vertices) {
             if (!(of_hem[h] < most)) continue;
             for (const Index v : hems.of_part[hem.part])
-                room[v] = std::min(room[v], of_hem[h] + glm::distance(rest[v], rest[h]));
+                room[v] = std::min(room[v], of_hem[h] + kStretchedByRoom * glm::distance(rest[v], rest[h]));
         }
     }
     return room;

@@ -19,6 +19,9 @@ constexpr float kPinned = 1.6e8f;  // follow of a pinned vertex, 1/s^2: springs 
 // An inner surface deeper than the radius of a tube would be inside out. Share of the radius.
 constexpr float kWithinTube = 0.7f, kZeroCurvature = 1e-6f;
 
+// Times Settings::tube_radius: how far a free hem has an effect, about a hand's width.
+constexpr float kHemReach = 1.4f;
+
 TriangleFrame tangent_frame(const Vec3& normal, const Vec3& towards) {
     TriangleFrame frame;
     frame.normal = normal;
@@ -46,6 +49,18 @@ float slack_along(const Settings& settings, const Vec3& direction) {
 float share_of_curvature(const Settings& settings, float curvature) {
     const float tight = std::min(settings.tube_radius * curvature, 1.0f);
     return std::max(tight * tight * tight * tight, settings.flat_share);
+}
+
+// Per vertex: share_of_smoothing().
+std::vector<float> find_shares_of_smoothing(const Model& model, const Settings& settings,
+                                            const Paint& paint) {
+    std::vector<float> out;
+    for (const NearHem& near : model.near_hems) {
+        const Index hem = near.vertex == kNone ? 0 : model.surface.representative[near.vertex];
+        const float held = painted(paint.follow, hem, 0.0f);
+        out.push_back(share_of_smoothing(near, settings.hem_share, held, kHemReach * settings.tube_radius));
+    }
+    return out;
 }
 
 // How many times the room of other cloth a vertex has that hangs free; 1 of other cloth.
@@ -318,16 +333,21 @@ Pose make_pose(const Model& model, const Settings& settings, const Paint& paint,
     place_facets(model.surface, pose);
     look_ahead(settings, bodies, pose);
     keep_inner_parts_inside(model, settings, pose);
+    const std::vector<float> of_smoothing = find_shares_of_smoothing(model, settings, paint);
     pose.length.reserve(model.springs.size());
     for (const Model::Spring& spring : model.springs) {
         const Vec3 along = pose.animated[spring.b] - pose.animated[spring.a];
         pose.length.push_back(glm::length(along));
         pose.cut.push_back(slack_along(settings, along) * spring.rest);
         const float loose = std::min(room_factor[spring.a], room_factor[spring.b]);
-        pose.firmness.push_back(share_of_curvature(settings, spring.curvature) / std::sqrt(loose));
+        const float firmness = share_of_curvature(settings, spring.curvature) / std::sqrt(loose);
+        pose.firmness.push_back(firmness);
+        pose.smoothing.push_back(settings.smoothing * firmness *
+                                 std::min(of_smoothing[spring.a], of_smoothing[spring.b]));
     }
     pose.cut.resize(in_fours(pose.cut.size()));
     pose.firmness.resize(pose.cut.size());
+    pose.smoothing.resize(pose.cut.size());
     return pose;
 }
 

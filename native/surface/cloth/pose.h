@@ -40,8 +40,9 @@ struct Pose {
     float body_known = 0.0f;          // share of the vertices that have a body under them
     std::vector<float> length;        // of every spring between the animated vertices, object units
     std::vector<float> cut;  // of every spring: length of the cloth, object units; in fours, 0 after the last
-    // Of every spring: share of compression, folded and smoothing, 0..1; in fours, 0 after the last.
+    // Of every spring: share of compression and folded, 0..1; in fours, 0 after the last.
     std::vector<float> firmness;
+    std::vector<float> smoothing;    // of every spring: Settings::smoothing times shares; likewise
     std::vector<float> follow;       // 1/s^2
     std::vector<float> room;         // Settings::room times paint, object units, >= 0
     std::vector<float> slide_share;  // 0..1: share of a way along the surface that uses up room

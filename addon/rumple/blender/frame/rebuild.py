@@ -95,7 +95,8 @@ def _prepare(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier, runtime:
     if changed:
         runtime.notes.append(changed)
     if runtime.evaluator is not former:
-        obj.update_tag()  # the output object may be unchanged, but this evaluator has solved nothing yet
+        for one in modifier.to_tag(obj):
+            one.update_tag()  # it may be unchanged, but this evaluator has solved nothing yet
     former_output, former_viewport = modifier.output_object(nodes_mod), modifier.viewport_output(nodes_mod)
     count = len(incoming_mesh.of(obj).vertices)
     filled = [_filled(former, fine, inherited) for former, fine in zip(
@@ -143,7 +144,8 @@ def _update_profile(obj: bpy.types.Object, runtime: Runtime) -> None:
     if obj.rumple.field.profile == "CURVE":
         field_profile.ensure(obj)
         runtime.paint = None
-        obj.update_tag()
+        for one in modifier.to_tag(obj):
+            one.update_tag()
     for material in field_shader.materials_of(obj):
         field_shader.set_profile(material, obj)
     field_shader.drop_orphans()

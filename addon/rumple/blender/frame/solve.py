@@ -78,7 +78,7 @@ def _tag_dependents(written: list[bpy.types.Object], wrinkled: list[bpy.types.Ob
     """
     if bpy.app.background or scheduler.rendering() or not scheduler.in_main_thread():
         return
-    scheduler.tag_soon(obj for obj in wrinkled if obj.library is None and modifier.depends_on(obj, written))
+    modifier.tag_soon(obj for obj in wrinkled if obj.library is None and modifier.depends_on(obj, written))
 
 
 def _is_late(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier) -> bool:
@@ -234,7 +234,7 @@ def show_fine_meshes() -> None:
         for obj, nodes_mod in modifier.wrinkled_objects():
             runtime, output_obj = runtimes.known(obj), modifier.output_object(nodes_mod)
             if modifier.is_baked(nodes_mod) and modifier.play_clip(nodes_mod, True):  # live folds need the add-on
-                scheduler.tag_soon([obj])
+                modifier.tag_soon([obj])
                 continue
             inputs = None if runtime is None else runtime.inputs
             if output_obj is None or inputs is None or not (inputs.uses_proxy or inputs.in_viewport
@@ -254,7 +254,7 @@ def show_fine_meshes() -> None:
                 print(f"Rumple: {messages.unexpected(obj, error)}")
             if inputs.uses_proxy or inputs.shows_coarse:
                 runtime.invalidate_output()
-                scheduler.tag_soon([obj])
+                modifier.tag_soon([obj])
 
 
 def _inputs(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier, runtime: Runtime, evaluated: bpy.types.Object,

@@ -15,8 +15,8 @@ from mathutils.geometry import interpolate_bezier
 from ...core import transforms
 from ...core.engine import UserError
 from ...core.fold_guides import DIRECTION, KINDS, PUCKER, Guide
-from .. import compat, scheduler
-from . import incoming_mesh, runtimes, units
+from .. import compat
+from . import incoming_mesh, modifier, runtimes, units
 
 _OVERRIDE = {"LIBRARY_OVERRIDABLE"}
 SPACING, DEPTH, REACH = 0.03, 0.006, 0.15  # metres, defaults of a new guide
@@ -85,7 +85,7 @@ def note_updates(garment: bpy.types.Object, touched: set[int]) -> None:
     if names != runtime.guides or any(compat.session_key(key) in touched for guide in found
                                       for key in (guide, guide.data)):
         runtime.guides, runtime.paint = names, None
-        scheduler.tag_soon([garment])
+        modifier.tag_soon([garment])
 
 
 def read(garment: bpy.types.Object, rest_of: Callable[[], np.ndarray]) -> np.ndarray | None:

@@ -8,7 +8,7 @@ import bpy
 
 from ...core.clip_manifest import Manifest
 from ...core.systems import SYSTEMS, System
-from .. import compat
+from .. import compat, scheduler
 from ..nodes import wrinkle_tree
 from ..nodes.modifier_inputs import get_input, set_input
 from ..nodes.output_flags import Flag, change_flag, is_set
@@ -191,6 +191,18 @@ def set_viewport_output(modifier: bpy.types.NodesModifier, new: bpy.types.Object
 def outputs(modifier: bpy.types.NodesModifier) -> list[bpy.types.Object]:
     """Both output objects, as far as they exist."""
     return [found for found in (output_object(modifier), viewport_output(modifier)) if found is not None]
+
+
+def to_tag(garment: bpy.types.Object) -> list[bpy.types.Object]:
+    """The objects whose tag lets Blender evaluate a garment again: its output objects. A tag of the garment itself
+    counts as an edit, which empties the caches of simulations on it that are not baked."""
+    nodes_mod = find(garment)
+    return (outputs(nodes_mod) if nodes_mod is not None else []) or [garment]
+
+
+def tag_soon(garments: Iterable[bpy.types.Object]) -> None:
+    """Let Blender evaluate garments again soon: scheduler.tag_soon()."""
+    scheduler.tag_soon(one for garment in garments for one in to_tag(garment))
 
 
 def coarse_vertices(modifier: bpy.types.NodesModifier) -> int:

@@ -8,8 +8,8 @@ from __future__ import annotations
 
 import bpy
 
-from .. import scheduler, ui_base
-from ..objects import weight_paint
+from .. import ui_base
+from ..objects import modifier, weight_paint
 
 KEYMAP = "Weight Paint"
 _TOOLS = (("SAMPLE", "Sample Weight", ""), ("SAMPLE_GROUP", "Sample Vertex Group", ""),
@@ -70,7 +70,7 @@ class OBJECT_OT_rumple_paint_tool(ui_base.OnWrinkled, bpy.types.Operator):
     def _end(self) -> None:
         """Show the folds again, by a timer, because the ending tool still needs the coarse mesh."""
         weight_paint.ask_for_coarse(False)
-        scheduler.tag_soon(obj for obj in (bpy.data.objects.get(self._obj),) if obj is not None)
+        modifier.tag_soon(obj for obj in (bpy.data.objects.get(self._obj),) if obj is not None)
 
 
 def _tool_of(item: bpy.types.KeyMapItem) -> str:

@@ -180,7 +180,7 @@ def _ask_for_meshes() -> None:
         if over != runtime.asked_for_proxy:  # only once, in case it cannot be evaluated now
             runtime.asked_for_proxy = over
             if over != runtime.inputs.uses_proxy:
-                scheduler.tag_soon([obj])
+                modifier.tag_soon([obj])
 
 
 def _ask_for_coarse(obj: bpy.types.Object, runtime: runtimes.Runtime) -> None:
@@ -188,7 +188,7 @@ def _ask_for_coarse(obj: bpy.types.Object, runtime: runtimes.Runtime) -> None:
     if wanted != runtime.asked_for_coarse:  # once, as below
         runtime.asked_for_coarse = wanted
         if wanted != runtime.inputs.shows_coarse:
-            scheduler.tag_soon([obj])
+            modifier.tag_soon([obj])
 
 
 def _draw_all(shown: list[tuple[bpy.types.Object, runtimes.Runtime, int]], space: bpy.types.SpaceView3D) -> None:
@@ -242,7 +242,7 @@ def _draw_guarded(obj: bpy.types.Object, runtime: runtimes.Runtime, key: int, sh
             _draw_object(obj, on_gpu, shading, over)
     except Exception as error:  # e.g. a driver's error: printed once, and Blender's own drawing stays visible
         on_gpu.refusal = str(error) if isinstance(error, UserError) else REFUSED
-        scheduler.tag_soon([obj])
+        modifier.tag_soon([obj])
         scheduler.redraw_panels_soon()
         print(f"Rumple: {messages.unexpected(obj, error)}")
     finally:

@@ -43,6 +43,7 @@ class BaseClothSettings(Struct):
     smoothing: float  # resistance of edges against turning from their animated direction, >= 0
     tube_radius: float  # around a tube of radius R these three are scaled by (tube_radius / R)^4; > 0
     flat_share: float  # the least such scale, for directions along tubes and flat cloth, 0..1
+    hem_share: float  # factor on smoothing at a hem that nothing holds, 0..1
     slack: float  # length of the cloth / length of the modelled garment, > 0
     hang: Array  # object space, length 0..1: in this direction there is no slack
     follow: float  # pull towards the animation where nothing is pinned, 1/s^2, > 0
@@ -60,10 +61,11 @@ class BaseClothSettings(Struct):
     most_cg_iterations: int  # of conjugate gradients (CG) in a Newton step, >= 0
     _fields_ = (("stretch", c_float), ("strain_limit", c_float), ("shear", c_float), ("compression", c_float),
         ("compression_limit", c_float), ("folded", c_float), ("smoothing", c_float), ("tube_radius", c_float),
-        ("flat_share", c_float), ("slack", c_float), ("hang", c_float * 3), ("follow", c_float), ("room", c_float),
-        ("slide_room", c_float), ("friction", c_float), ("gravity", c_float * 3), ("thickness", c_float),
-        ("unknown", c_float), ("reach", c_float), ("depth", c_float), ("spread", c_float), ("steps", c_int32),
-        ("start_steps", c_int32), ("most_cg_iterations", c_int32),)
+        ("flat_share", c_float), ("hem_share", c_float), ("slack", c_float), ("hang", c_float * 3),
+        ("follow", c_float), ("room", c_float), ("slide_room", c_float), ("friction", c_float),
+        ("gravity", c_float * 3), ("thickness", c_float), ("unknown", c_float), ("reach", c_float),
+        ("depth", c_float), ("spread", c_float), ("steps", c_int32), ("start_steps", c_int32),
+        ("most_cg_iterations", c_int32),)
 
 
 class BaseClothSwing(Struct):

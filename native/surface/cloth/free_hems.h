@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Hems that nothing holds. Internal to the base cloth.
+#pragma once
+
+#include <limits>
+#include <vector>
+
+#include "surface/cloth/hem_room.h"
+
+namespace rumple::base_cloth {
+
+// The vertex of a hem nearest to a vertex, along the edges at rest.
+struct NearHem {
+    Index vertex = kNone;                                     // kNone: its part has no hem
+    float distance = std::numeric_limits<float>::infinity();  // object units
+};
+
+// Per welded vertex. Cost: O(log vertices) each.
+std::vector<NearHem> find_near_hems(const Surface& surface, const Hems& hems);
+
+// Share of Settings::smoothing at a vertex. A foot tilts the hem of the leg that is skinned to it, and the
+// direction that this gives its springs is none of cloth that hangs: one side of the hem was pulled up, the
+// other one crushed. free: share at a hem that nothing holds, 0..1. held: painted follow of the hem there,
+// 0..1. reach: distance from which on the share is 1, object units, > 0.
+float share_of_smoothing(const NearHem& near, float free, float held, float reach);
+
+}  // namespace rumple::base_cloth
