@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+import os
+import tempfile
 import unittest
 from typing import Any, Callable
 from unittest import mock
@@ -14,6 +16,8 @@ from rumple.blender.nodes import wrinkle_tree
 from rumple.blender.objects import modifier, properties, runtimes
 from rumple.blender.ui import operators
 from support import sleeve
+
+LAST = 6  # frame
 
 
 class Stack(unittest.TestCase):
@@ -283,3 +287,39 @@ class AddedAgain(unittest.TestCase):
                 self.assertEqual(obj.rumple.most_vertices, 250_000)
                 with self.assertRaisesRegex(RuntimeError, "Error: Sleeve: "):  # a script is told
                     self.add(change, "MESH", by_hand=False)
+
+
+class SimulatedAbove(unittest.TestCase):
+    """A Cloth above the wrinkles that was played and not baked: a tag of the garment empties its cache."""
+
+    def setUp(self) -> None:
+        self.obj = sleeve.scene(wrinkles=False)
+        self.obj.modifiers.new("Cloth", "CLOTH").point_cache.frame_end = LAST
+        self.obj.rumple.mesh.density, self.obj.rumple.mesh.level = "LEVEL", 1
+        bpy.ops.object.rumple_add(method="MESH")
+        sleeve.play(1, LAST)
+        self.fallen = sleeve.shown(self.obj)[:, 2].min()
+
+    def check_kept(self) -> None:
+        obj = bpy.data.objects["Sleeve"]
+        bpy.context.view_layer.update()
+        self.assertFalse(obj.modifiers["Cloth"].point_cache.is_outdated)
+        sleeve.at(1)
+        sleeve.at(LAST)
+        self.assertAlmostEqual(sleeve.shown(obj)[:, 2].min(), self.fallen, places=5)
+
+    def test_opening_the_file_keeps_its_cache(self) -> None:
+        """It was rendered hanging still."""
+        with tempfile.TemporaryDirectory() as folder:
+            file = os.path.join(folder, "simulated.blend")
+            bpy.ops.wm.save_as_mainfile(filepath=file, copy=True)
+            bpy.ops.wm.open_mainfile(filepath=file)
+        self.check_kept()
+
+    def test_a_still_render_keeps_it(self) -> None:
+        """The animation that was rendered after it was lost."""
+        handlers._on_render_start()
+        handlers._on_render_end()
+        self.assertNotEqual(scheduler._due, set())
+        scheduler._look()  # the timer of a window calls it
+        self.check_kept()

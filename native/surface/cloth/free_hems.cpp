@@ -9,7 +9,8 @@
 namespace rumple::base_cloth {
 namespace {
 
-constexpr float kHolds = 0.1f;  // of painted follow: it counts by its cube, and this pulls harder than springs
+constexpr float kHolds =
+    0.1f;  // of painted follow: it counts by its cube, and this pulls harder than springs
 
 }  // namespace
 std::vector<NearHem> find_near_hems(const Surface& surface, const Hems& hems) {
