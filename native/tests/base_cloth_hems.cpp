@@ -187,6 +187,43 @@ TEST(BaseClothHems, ATiltedHemCrushesTheLegAboveItLess) {
     EXPECT_EQ(crushed(0.1f, 1.0f), crushed(1.0f, 1.0f)) << "a held hem";
 }
 
+// A tube along x. Over the last ten centimetres to its hem, at x = 0, it is drawn in to a cone.
+Points drawn_in(const Points& rest, float by) {
+    Points pose = rest;
+    for (Vec3& p : pose) {
+        const float share = 1.0f - by * std::max(1.0f - p.x / 0.1f, 0.0f);
+        p = {p.x, share * p.y, share * p.z};
+    }
+    return pose;
+}
+Points quarter_turned(Points points) {
+    for (Vec3& p : points) p = {-p.y + 3.0f, p.x, p.z};
+    return points;
+}
+
+TEST(BaseClothHems, ClothThatIsFoldedInAboveAHemGoesOnStraight) {
+    const Garment garment(tube(24, 25, 0.15f, 0.5f));
+    const Points& rest = garment.mesh.positions;
+    const auto unfolded = [&](Points pose, float held) {
+        unfold_hems(garment.model->surface, garment.model->near_hems, std::vector(rest.size(), held), 0.15f,
+                    pose);
+        return pose;
+    };
+    const auto radius_at_hem = [&](const Points& pose) {
+        float sum = 0.0f;
+        for (size_t v = 0; v < pose.size(); ++v)
+            if (rest[v].x == 0.0f) sum += glm::length(Vec2(pose[v].y, pose[v].z)) / 24.0f;
+        return sum;
+    };
+    const Points folded = drawn_in(rest, 0.45f), straight = unfolded(folded, 0.0f);
+    EXPECT_NEAR(radius_at_hem(folded), 0.0825f, 1e-5f);
+    EXPECT_GT(radius_at_hem(straight), 0.12f);
+    EXPECT_LT(farthest(unfolded(quarter_turned(folded), 0.0f), quarter_turned(straight)), 1e-5f);
+    EXPECT_TRUE(equal_bits(unfolded(folded, 1.0f), folded)) << "a held hem";
+    for (const Points& pose : {rest, quarter_turned(rest), drawn_in(rest, 0.03f), drawn_in(rest, -0.45f)})
+        EXPECT_TRUE(equal_bits(unfolded(pose, 0.0f), pose));
+}
+
 TEST(BaseClothHems, TheHemNearestAlongTheEdgesIsFound) {
     const Garment leg(tube(12, 10, 0.07f, 0.5f));
     for (size_t v = 0; v < leg.mesh.positions.size(); ++v) {

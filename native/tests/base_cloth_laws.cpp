@@ -308,8 +308,12 @@ TEST(BaseClothLaws, NothingLeavesItsRoom) {
         for (size_t v = 0; v < mesh.positions.size(); ++v) paint.room.push_back(kFactors[v % 3]);
         Result result = garment.solve(settings, mesh.positions, nullptr, paint);
         float reached = 0.0f;
-        for (const Points& pose : {mesh.positions, garment.crumpled(0.7f, 2.0f, 0.5f)}) {
+        std::vector<float> held;
+        for (const float room : paint.room) held.push_back(room > 1.0f ? 1.0f : 0.0f);
+        for (Points pose : {mesh.positions, garment.crumpled(0.7f, 2.0f, 0.5f)}) {
             result = garment.solve(settings, pose, &result.state, paint);
+            unfold_hems(garment.model->surface, garment.model->near_hems, held, 2.1f * settings.tube_radius,
+                        pose);
             Points normals(pose.size());
             vertex_normals(garment.model->surface, pose, normals);
             for (size_t v = 0; v < pose.size(); ++v) {

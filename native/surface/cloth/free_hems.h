@@ -13,6 +13,9 @@ namespace rumple::base_cloth {
 struct NearHem {
     Index vertex = kNone;                                     // kNone: its part has no hem
     float distance = std::numeric_limits<float>::infinity();  // object units
+    Index farther =
+        kNone;  // the neighbour that is farthest from hems, if it is farther than the vertex itself
+    glm::mat3 frame{0.0f};  // at rest: the normal, across, along the surface towards `farther`
 };
 
 // Per welded vertex. Cost: O(log vertices) each.
@@ -23,5 +26,12 @@ std::vector<NearHem> find_near_hems(const Surface& surface, const Hems& hems);
 // other one crushed. free: share at a hem that nothing holds, 0..1. held: painted follow of the hem there,
 // 0..1. reach: distance from which on the share is 1, object units, > 0.
 float share_of_smoothing(const NearHem& near, float free, float held, float reach);
+
+// Skinning may fold the cloth above a hem inwards: hips take the hem of a shirt with them when the chest
+// bends forward. Such cloth moves towards the place where it goes on as at rest from the cloth above it.
+// near, held: per welded vertex; held: 0..1, 1 where it stays. reach: how far above a hem cloth may be
+// folded, object units, > 0. animated: object space. Cost: O(vertices).
+void unfold_hems(const Surface& surface, std::span<const NearHem> near, std::span<const float> held,
+                 float reach, std::span<Vec3> animated);
 
 }  // namespace rumple::base_cloth

@@ -21,6 +21,8 @@ constexpr float kWithinTube = 0.7f, kZeroCurvature = 1e-6f;
 
 // Times Settings::tube_radius: how far a free hem has an effect, about a hand's width.
 constexpr float kHemReach = 1.4f;
+// The same for cloth that skinning folds in above a free hem.
+constexpr float kFoldReach = 2.1f;
 
 TriangleFrame tangent_frame(const Vec3& normal, const Vec3& towards) {
     TriangleFrame frame;
@@ -49,6 +51,19 @@ float slack_along(const Settings& settings, const Vec3& direction) {
 float share_of_curvature(const Settings& settings, float curvature) {
     const float tight = std::min(settings.tube_radius * curvature, 1.0f);
     return std::max(tight * tight * tight * tight, settings.flat_share);
+}
+
+// Per vertex, 0..1: how much it or the hem near it is pinned. What hangs free of the body has bones of its
+// own.
+std::vector<float> find_held(const Model& model, const Paint& paint, std::span<const float> room_factor) {
+    const auto pinned = [&](Index v) { return painted(paint.follow, model.surface.representative[v], 0.0f); };
+    std::vector<float> out;
+    for (Index v = 0; v < static_cast<Index>(room_factor.size()); ++v) {
+        const Index hem = model.near_hems[v].vertex;
+        const bool is_free = room_factor[v] > 1.0f;
+        out.push_back(hem == kNone || is_free ? 1.0f : std::max(pinned(v), pinned(hem)));
+    }
+    return out;
 }
 
 // Per vertex: share_of_smoothing().
@@ -310,6 +325,8 @@ Pose make_pose(const Model& model, const Settings& settings, const Paint& paint,
     const std::vector<float> room_factor = find_room_factors(model, paint);
     Pose pose;
     pose.animated = weld_positions(surface, positions);
+    unfold_hems(surface, model.near_hems, find_held(model, paint, room_factor),
+                kFoldReach * settings.tube_radius, pose.animated);
     pose.normal = vertex_normals(surface, pose.animated);
     for (size_t v = 0; v < vertices; ++v) {
         const Index to = model.frame_to[v];
