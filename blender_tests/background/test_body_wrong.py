@@ -12,7 +12,7 @@ import bpy
 import numpy as np
 from rumple.blender import compat, scheduler
 from rumple.blender.nodes import wrinkle_tree
-from rumple.blender.objects import bodies, modifier, runtimes
+from rumple.blender.objects import bodies, modifier, runtimes, stack_notes
 from support import sleeve
 from support.worn_sleeve import Worn, outward, solved_body
 
@@ -186,6 +186,23 @@ class Wrong(Worn):
         bpy.data.objects.remove(self.body)
         scheduler.sync_all()
         self.assertEqual(bodies._triangulated, {})
+
+
+class OtherPointsInRenders(Worn):
+
+    def test_a_body_with_other_levels_of_subdivision_is_said(self) -> None:
+        """Folds differed by a centimetre from those that were played, in silence."""
+        subdivision = self.body.modifiers.new("Subdivision", "SUBSURF")
+        self.assertNotEqual(subdivision.levels, subdivision.render_levels)
+        self.assertEqual(stack_notes.of(self.obj), [])
+        self.obj.rumple.body = self.body
+        self.assertEqual(stack_notes.of(self.obj), [
+            "Sleeve: its body Human has other levels of Subdivision in renders, so folds differ there: set the same for "
+            "viewport and renders"])
+        subdivision.levels = subdivision.render_levels
+        self.assertEqual(stack_notes.of(self.obj), [])
+        subdivision.show_render = False
+        self.assertEqual(len(stack_notes.of(self.obj)), 1)
 
 
 class InsideOut(Worn):

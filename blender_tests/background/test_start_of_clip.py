@@ -2,14 +2,17 @@
 """Which frame needs none before it: the first of the clip, wherever the scene's Start is moved to."""
 from __future__ import annotations
 
+import contextlib
+import io
 import os
 import tempfile
 import unittest
+from pathlib import Path
 
 import bpy
 import numpy as np
 from rumple.blender.frame import clip_status
-from rumple.blender.objects import modifier, runtimes
+from rumple.blender.objects import modifier, runtimes, stack_notes
 from rumple.core import clip_file
 from support import sleeve
 
@@ -62,6 +65,29 @@ class FirstFrame(unittest.TestCase):
         sleeve.at(8)
         self.assertIn("play from frame 1", runtimes.of(self.obj).unplayed)
         self.assertIn(JUMPED, runtimes.of(self.obj).unplayed)
+        sleeve.at(9)
+        self.assertEqual(runtimes.of(self.obj).unplayed, "", "it was reached from frame 8, and swings")
+
+    def test_a_render_that_goes_on_behind_pictures_says_that_it_jumps(self) -> None:
+        """Its pictures did not go on from those that were there."""
+        self.obj.rumple.mesh.base_cloth = "HANG"
+        scene, folder = bpy.context.scene, tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        scene.render.filepath, scene.render.image_settings.file_format = f"{folder.name}/f", "PNG"
+        for frame in range(1, 4):
+            Path(scene.render.frame_path(frame=frame)).touch()
+        sleeve.at(1)
+        self.assertEqual(stack_notes.resumed(self.obj), [])
+        scene.render.use_overwrite = False
+        note = "Sleeve: Overwrite is off and pictures exist, so a render goes on in frame 4 as after a jump: play all " \
+               "frames first, switch it on, or bake"
+        self.assertEqual(stack_notes.resumed(self.obj), [note])
+        printed = io.StringIO()
+        with contextlib.redirect_stdout(printed):
+            clip_status.check_before_render()
+        self.assertIn(note, printed.getvalue())
+        sleeve.play(1, 3)
+        self.assertEqual(stack_notes.resumed(self.obj), [])
 
     def test_the_first_frame_is_no_jump(self) -> None:
         for start, first in ((1, 1), (4, 6), (6, 4)):

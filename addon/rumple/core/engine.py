@@ -108,7 +108,7 @@ class Wrinkles(SystemSteps):
         result = self.frame_cache.picture(cached, request.in_viewport, make) if is_kept else make()
         spent = dict(solve=1e3 * (found.seconds + solved - began), show=1e3 * (time.perf_counter() - solved))
         return replace(result, report=cached.report, replayed=replayed, milliseconds=spent,
-                       unplayed=request.settings.swings and not cached.final)
+                       unplayed=request.settings.swings and found.before is None and not cached.final)
 
     def _frame_input(self, request: FrameRequest) -> FrameInput:
         """The parts of the request that the result depends on."""

@@ -210,8 +210,8 @@ void check_rest_wrinkle(const Model& model, std::span<const Vec3> painted) {
     for (size_t v = 0; v < painted.size(); ++v) {
         const float length = glm::length(painted[v]);
         if (length < 1.0f) continue;
-        throw InvalidInput("rest_wrinkle: vertex " + std::to_string(v) + " has length " +
-                           short_text(length) + ", expected below 1");
+        throw InvalidInput("rest_wrinkle: vertex " + std::to_string(v) + " has length " + short_text(length) +
+                           ", expected below 1");
     }
 }
 

@@ -204,8 +204,7 @@ void check_weights(const SparseRows& weights, const Rig& rig) {
             }
             if (is_key(rig, weights.index[e]) && weights.weight[e] > 1.0f) {
                 throw InvalidInput(at + "expected a weight of 0 to 1 for shape key " +
-                                   rig.names[weights.index[e]] + ", got " +
-                                   short_text(weights.weight[e]));
+                                   rig.names[weights.index[e]] + ", got " + short_text(weights.weight[e]));
             }
         }
     }

@@ -254,7 +254,8 @@ def check_before_render() -> None:
             output_obj = modifier.output_object(nodes_mod)
             if output_obj is None:
                 continue
+            jumps = stack_notes.skipped_frames(obj) + stack_notes.resumed(obj)
             text = check(obj, output_obj) if modifier.is_baked(nodes_mod) else \
-                _not_made_yet(obj) or late_in_renders(obj) or next(iter(stack_notes.skipped_frames(obj)), "")
+                _not_made_yet(obj) or late_in_renders(obj) or next(iter(jumps), "")
             for sentence in [text] * bool(text) + point_caches.notes(obj):
                 print(f"Rumple: before rendering: {sentence}")

@@ -3,6 +3,8 @@
 gigabytes."""
 from __future__ import annotations
 
+import os
+
 import bpy
 
 from . import bodies, mesh_reader, modifier, point_caches, properties, runtimes, subdivision_behind, units
@@ -23,7 +25,7 @@ def of(obj: bpy.types.Object) -> list[str]:
         return point_caches.notes(obj)
     return (_order(obj, nodes_mod) + _particles(obj, nodes_mod) + _armatures(obj) + _scale(obj)
             + _other_points_in_renders(obj, nodes_mod)
-            + subdivision_behind.notes(obj, runtimes.of(obj).evaluator) + skipped_frames(obj)
+            + subdivision_behind.notes(obj, runtimes.of(obj).evaluator) + skipped_frames(obj) + _finer_bodies(obj)
             + point_caches.notes(obj))
 
 
@@ -36,6 +38,22 @@ def skipped_frames(obj: bpy.types.Object) -> list[str]:
         return []
     return [f"{obj.name}: Step of the scene is {scene.frame_step}, so a render solves each frame as after a jump: play "
             "all frames first, set it to 1, or bake"]
+
+
+def resumed(obj: bpy.types.Object) -> list[str]:
+    """About an animation with Overwrite off whose first pictures exist: the first frame that is rendered is a jump. It
+    looks at files, so only the check before a render calls it."""
+    scene = units.scene_of(obj)
+    render, settings, fine = scene.render, properties.settings_of(obj, scene), runtimes.of(obj).evaluator
+    if render.use_overwrite or render.is_movie_format or settings.stateless or settings.swings:
+        return []
+    first = next((frame for frame in range(scene.frame_start, scene.frame_end + 1, scene.frame_step)
+                  if not os.path.exists(render.frame_path(frame=frame))), scene.frame_start)
+    stored = [] if fine is None else [fine.frame_cache.get(float(frame)) for frame in (first - 1, first)]
+    if first <= units.first_frame(obj, scene) or any(frame is not None and frame.final for frame in stored):
+        return []
+    return [f"{obj.name}: Overwrite is off and pictures exist, so a render goes on in frame {first} as after a jump: "
+            "play all frames first, switch it on, or bake"]
 
 
 def _are_stored(obj: bpy.types.Object, scene: bpy.types.Scene) -> bool:
@@ -52,6 +70,16 @@ def of_children(obj: bpy.types.Object) -> list[str]:
     return [f"{obj.name}: the object \"{child.name}\" is parented to vertices of it, which are other ones now: give it "
             "a Copy Location constraint with a vertex group in place of the parent"
             for child in obj.children if child.parent_type in ("VERTEX", "VERTEX_3")][:1]
+
+
+def _finer_bodies(obj: bpy.types.Object) -> list[str]:
+    """About a body that has other points in renders, so that the folds on it are others than those that were played.
+    Of a garment under this one the solved surface counts, which is the same."""
+    differs = (body for body in bodies.of(obj) if modifier.find(body) is None and any(
+        m.show_viewport != m.show_render or m.levels != m.render_levels
+        for m in body.modifiers if m.type in ("SUBSURF", "MULTIRES")))
+    return [f"{obj.name}: its body {body.name} has other levels of Subdivision in renders, so folds differ there: set "
+            "the same for viewport and renders" for body in differs][:1]
 
 
 def _particles(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier) -> list[str]:
