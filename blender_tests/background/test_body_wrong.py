@@ -197,8 +197,8 @@ class OtherPointsInRenders(Worn):
         self.assertEqual(stack_notes.of(self.obj), [])
         self.obj.rumple.body = self.body
         self.assertEqual(stack_notes.of(self.obj), [
-            "Sleeve: its body Human has other levels of Subdivision in renders, so folds differ there: set the same for "
-            "viewport and renders"])
+            "Sleeve: its body Human has other levels of Subdivision in renders, so folds differ there: set the same "
+            "for viewport and renders"])
         subdivision.levels = subdivision.render_levels
         self.assertEqual(stack_notes.of(self.obj), [])
         subdivision.show_render = False

@@ -79,8 +79,8 @@ class FirstFrame(unittest.TestCase):
         sleeve.at(1)
         self.assertEqual(stack_notes.resumed(self.obj), [])
         scene.render.use_overwrite = False
-        note = "Sleeve: Overwrite is off and pictures exist, so a render goes on in frame 4 as after a jump: play all " \
-               "frames first, switch it on, or bake"
+        note = "Sleeve: Overwrite is off and pictures exist, so a render goes on in frame 4 as after a jump: play " \
+               "all frames first, switch it on, or bake"
         self.assertEqual(stack_notes.resumed(self.obj), [note])
         printed = io.StringIO()
         with contextlib.redirect_stdout(printed):
