@@ -220,6 +220,9 @@ TEST(BaseClothHems, ClothThatIsFoldedInAboveAHemGoesOnStraight) {
     EXPECT_GT(radius_at_hem(straight), 0.12f);
     EXPECT_LT(farthest(unfolded(quarter_turned(folded), 0.0f), quarter_turned(straight)), 1e-5f);
     EXPECT_TRUE(equal_bits(unfolded(folded, 1.0f), folded)) << "a held hem";
+    Settings off;
+    off.steps = off.start_steps = 0;
+    EXPECT_TRUE(equal_bits(garment.solve(off, folded).positions, folded)) << "what does not hang stays";
     for (const Points& pose : {rest, quarter_turned(rest), drawn_in(rest, 0.03f), drawn_in(rest, -0.45f)})
         EXPECT_TRUE(equal_bits(unfolded(pose, 0.0f), pose));
 }

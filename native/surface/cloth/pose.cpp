@@ -325,8 +325,9 @@ Pose make_pose(const Model& model, const Settings& settings, const Paint& paint,
     const std::vector<float> room_factor = find_room_factors(model, paint);
     Pose pose;
     pose.animated = weld_positions(surface, positions);
-    unfold_hems(surface, model.near_hems, find_held(model, paint, room_factor),
-                kFoldReach * settings.tube_radius, pose.animated);
+    if (settings.start_steps > 0)  // else cloth is only moved out of bodies
+        unfold_hems(surface, model.near_hems, find_held(model, paint, room_factor),
+                    kFoldReach * settings.tube_radius, pose.animated);
     pose.normal = vertex_normals(surface, pose.animated);
     for (size_t v = 0; v < vertices; ++v) {
         const Index to = model.frame_to[v];

@@ -48,9 +48,11 @@ def resumed(obj: bpy.types.Object) -> list[str]:
     if render.use_overwrite or render.is_movie_format or settings.stateless or settings.swings:
         return []
     first = next((frame for frame in range(scene.frame_start, scene.frame_end + 1, scene.frame_step)
-                  if not os.path.exists(render.frame_path(frame=frame))), scene.frame_start)
+                  if not os.path.exists(render.frame_path(frame=frame))), None)
+    if first in (None, scene.frame_start) or first <= units.first_frame(obj, scene):
+        return []
     stored = [] if fine is None else [fine.frame_cache.get(float(frame)) for frame in (first - 1, first)]
-    if first <= units.first_frame(obj, scene) or any(frame is not None and frame.final for frame in stored):
+    if any(frame is not None and frame.final for frame in stored):
         return []
     return [f"{obj.name}: Overwrite is off and pictures exist, so a render goes on in frame {first} as after a jump: "
             "play all frames first, switch it on, or bake"]
