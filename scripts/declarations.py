@@ -1,14 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Writes addon/rumple/native/c from native/include: the structs, choices and functions of the C header for ctypes.
 
-    declarations.py [FOLDER]    into FOLDER instead
-
 Run it after a change of the header. A test compares what it writes with what is there.
 """
 from __future__ import annotations
 
+import argparse
 import re
-import sys
 import textwrap
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -201,10 +199,9 @@ def _includes(name: str) -> list[str]:
 
 
 def main() -> None:
-    target = Path(sys.argv[1]) if len(sys.argv) > 1 else TARGET
-    target.mkdir(parents=True, exist_ok=True)
+    argparse.ArgumentParser(description=__doc__).parse_args()  # without arguments: --help shows this
     for name, text in files().items():
-        (target / name).write_text(text)
+        (TARGET / name).write_text(text)
 
 
 if __name__ == "__main__":

@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import ast
 import re
+import subprocess
 import unittest
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
 CODE = {".h", ".cpp", ".py", ".glsl"}
+TOP = {"native", "addon", "blender_tests", "shaders", "docs", "scripts", "CMakeLists.txt", "CMakePresets.json",
+       "CHANGELOG.md", "CONTRIBUTING.md", "LICENSE", "README.md"}  # and names that begin with a dot
 
 
 def sources(*folders: str) -> list[Path]:
@@ -85,6 +88,14 @@ class Conventions(unittest.TestCase):
             most = 120 if file.suffix == ".py" else 110
             for number, line in enumerate(file.read_text().splitlines(), 1):
                 self.assertLessEqual(len(line), most, f"{file}:{number}")
+
+    def test_nothing_else_lies_at_the_top(self) -> None:
+        """A script once wrote a folder named --help, which was committed."""
+        if not (ROOT / ".git").exists():
+            self.skipTest("no checkout")
+        listed = subprocess.run(["git", "ls-files"], cwd=ROOT, capture_output=True, text=True, check=True).stdout
+        top = {line.split("/")[0] for line in listed.splitlines()}
+        self.assertEqual({name for name in top if not name.startswith(".")}, TOP)
 
     def test_files_stay_readable_in_one_sitting(self) -> None:
         for file in sources("native", "addon", "scripts", "blender_tests"):
