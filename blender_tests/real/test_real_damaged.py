@@ -78,7 +78,6 @@ class UnmergedShirt(RealDamaged, unittest.TestCase):
 @in_one_blender
 class HalfAShirt(RealDamaged, unittest.TestCase):
     file, name, way = "S1_walk_shirt", "shirt", damage.half
-    nearer = 1.05  # its cut edge hangs as a hem does
     longest = 4.6  # where the neck is cut: 4.67 times on the base cloth alone, 4.51 with its layers
 
 

@@ -237,6 +237,8 @@ TEST(BaseClothHems, TheHemNearestAlongTheEdgesIsFound) {
         EXPECT_EQ(share_of_smoothing(near, 0.1f, 1.0f, 0.2f), 1.0f) << "a held hem";
         EXPECT_EQ(share_of_smoothing(near, 0.1f, 0.0f, 0.01f), away < 0.01f ? 0.1f : 1.0f);
     }
+    const Garment sheet(grid(8, 8, 0.05f));
+    for (const NearHem& near : sheet.model->near_hems) EXPECT_EQ(near.vertex, kNone) << "it has no opening";
 }
 
 // A waistband over a belly that was not deleted.

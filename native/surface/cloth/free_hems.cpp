@@ -58,8 +58,10 @@ std::vector<NearHem> find_near_hems(const Surface& surface, const Hems& hems) {
     for (const Edge& edge : surface.edges) connect(surface, edge.a, edge.b, graph);
     std::vector<NearHem> near(graph.size());
     std::vector<Index> of_hems;
-    for (const Hems::Hem& hem : hems.all)
+    for (const Hems::Hem& hem : hems.all) {
+        if (!hem.is_opening) continue;
         for (const Index v : hem.vertices) of_hems.push_back(near[v].vertex = v);
+    }
     std::vector<float> distance(graph.size(), std::numeric_limits<float>::infinity());
     shortest_paths(graph, of_hems, std::numeric_limits<float>::infinity(), distance, [&](Index v) {
         near[v].distance = distance[v];

@@ -9,9 +9,10 @@
 
 namespace rumple::base_cloth {
 
-// The vertex of a hem nearest to a vertex, along the edges at rest.
+// The vertex of an opening's hem nearest to a vertex, along the edges at rest. The outline of a sheet does
+// not count: a cape has bones of its own, and a torn edge no body in it.
 struct NearHem {
-    Index vertex = kNone;                                     // kNone: its part has no hem
+    Index vertex = kNone;                                     // kNone: its part has no opening
     float distance = std::numeric_limits<float>::infinity();  // object units
     Index farther =
         kNone;  // the neighbour that is farthest from hems, if it is farther than the vertex itself

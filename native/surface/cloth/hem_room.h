@@ -20,6 +20,7 @@ struct Hems {
     struct Hem {
         std::vector<Index> vertices;  // welded
         Index part;
+        bool is_opening;  // as Border::is_opening
         std::vector<Side> sides{};
     };
     std::vector<Hem> all;
