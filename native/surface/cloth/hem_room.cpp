@@ -148,7 +148,8 @@ Hems find_hems(const Surface& surface) {
     for (Index v = 0; v < surface.welded.vertex_count; ++v)
         if (hems.part[v] != kNone) hems.of_part[hems.part[v]].push_back(v);
     for (const Border& border : borders.all)
-        if (border.radius >= kButton * diagonal) hems.all.push_back({border.vertices, border.part, border.is_opening});
+        if (border.radius >= kButton * diagonal)
+            hems.all.push_back({border.vertices, border.part, border.is_opening});
     const std::vector<Index> border_of = hems_of_vertices(hems);
     for (const Edge& edge : surface.edges)
         if (edge.right == kNone && border_of[edge.a] != kNone)
