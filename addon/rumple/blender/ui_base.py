@@ -61,6 +61,12 @@ class OnWrinkled:
         return not why
 
 
+def warn(operator: bpy.types.Operator, text: str) -> None:
+    """Report a warning, unless it is empty."""
+    if text:
+        operator.report({"WARNING"}, said(text))
+
+
 # ---------------------------------------------------------------- panels
 class Panel:
     """A panel below DATA_PT_rumple."""

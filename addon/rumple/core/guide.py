@@ -74,7 +74,7 @@ MESSAGES = tuple((re.compile(pattern), anchor) for pattern, anchor in (
      r"|differs by axes|so renders do not see|stand at one place|nothing to wrinkle|: seams: "
      r"|vertices without a face|meet only in a point|in units of the object|than can be counted|cannot be subdivided"
      r"|no fold can be computed|can start at more than"
-     r"|of zero (?:length|area)", "the-mesh-and-its-modifiers"),
+     r"|of zero (?:length|area)|its mesh is also that of", "the-mesh-and-its-modifiers"),
     (r"renders show its folds one frame late|custom normals|lets lists grow only", "known-limits"),
     (r"nothing to bake|has no frame|is before the first|was never saved|clip is not deleted|is kept, |Bake cancelled",
      "bake"),

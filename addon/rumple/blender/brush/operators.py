@@ -15,8 +15,8 @@ from bpy.app.handlers import persistent
 
 from ...core.brush import DEFAULT_LENGTH, LONGEST
 from ...core.engine import UserError
-from .. import compat, scheduler
-from ..objects import messages, modifier
+from .. import compat, scheduler, ui_base
+from ..objects import messages, modifier, shared_mesh
 from ..translation import said
 from . import canvas as brush_canvas, overlay as brush_overlay
 from .stroke import Stroke
@@ -112,6 +112,7 @@ class OBJECT_OT_rumple_brush(_OnField, bpy.types.Operator):
     bl_options = {"REGISTER"}
 
     def execute(self, context: bpy.types.Context) -> set[str]:
+        ui_base.warn(self, shared_mesh.note(context.object))
         return bpy.ops.wm.tool_set_by_id(name=TOOL, space_type="VIEW_3D")
 
 
@@ -208,6 +209,7 @@ class OBJECT_OT_rumple_scatter(_OnField, bpy.types.Operator):
             return {"CANCELLED"}
         brush_canvas.write(obj.data, scattered)
         self.report({"INFO"}, said(f"{int(np.any(scattered != 0.0, axis=1).sum())} points wrinkle at rest"))
+        ui_base.warn(self, shared_mesh.note(obj))
         return {"FINISHED"}
 
 
@@ -219,6 +221,7 @@ class OBJECT_OT_rumple_clear_rest_wrinkles(_OnField, bpy.types.Operator):
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         brush_canvas.write(context.object.data, None)
+        ui_base.warn(self, shared_mesh.note(context.object))
         return {"FINISHED"}
 
 

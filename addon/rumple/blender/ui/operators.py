@@ -17,7 +17,7 @@ from ..frame import disk_frames, rebuild
 from ..maps import rebuild as maps_rebuild
 from ..nodes import field_shader, wrinkle_tree
 from ..objects import (bodies, cloth_defaults, first_click, incoming_mesh, modifier, posed_coarse, properties, runtimes,
-                       stack_notes, subdivision_behind)
+                       shared_mesh, stack_notes, subdivision_behind)
 from ..translation import said
 from . import fabrics, thumbnails, wave_materials
 
@@ -128,6 +128,8 @@ class OBJECT_OT_rumple_add(bpy.types.Operator):
         obj.rumple.method = self.method
         kept, maps, by_hand = _set_properties(obj), set(obj.vertex_groups.keys()), self._may_wait
         notes = first_click.set_up(obj, context.scene)
+        if set(obj.vertex_groups.keys()) - maps:
+            ui_base.warn(self, shared_mesh.note(obj))
         self._adjust(context, obj)
         with scheduler.suspended():
             nodes_mod = modifier.add(obj, self.method)
@@ -303,6 +305,7 @@ class OBJECT_OT_rumple_capture_rest(ui_base.OnWrinkled, bpy.types.Operator):
         if positions is None:
             self.report({"ERROR"}, said(runtimes.message(obj) or NOT_SHOWN))
             return {"CANCELLED"}
+        ui_base.warn(self, shared_mesh.note_of_capture(obj))
         return {"FINISHED"}
 
 

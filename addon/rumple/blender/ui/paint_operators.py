@@ -14,7 +14,7 @@ import numpy as np
 from ...core import paint_maps
 from ...core.engine import UserError
 from .. import compat, ui_base
-from ..objects import mesh_reader, painted_maps, properties, units
+from ..objects import mesh_reader, painted_maps, properties, shared_mesh, units
 from ..objects.painted_maps import PaintedMap
 from ..translation import said
 from . import paint_words
@@ -96,6 +96,7 @@ class OBJECT_OT_rumple_paint(_OnMap, bpy.types.Operator):
             # Most new groups already have full weight.
             _set_brush_weight(context, 1.0 if self.group in paint_words.HOW else 0.0)
             self.report({"INFO"}, paint_words.how(painted))
+        ui_base.warn(self, shared_mesh.note(obj))
         return {"FINISHED"}
 
 
@@ -138,6 +139,7 @@ class _WholeMap(_OnMap):
             self.change(context, obj, painted)
         except UserError as error:
             return self.refused(error)
+        ui_base.warn(self, shared_mesh.note(obj))
         return {"FINISHED"}
 
     def change(self, context: bpy.types.Context, obj: bpy.types.Object, painted: PaintedMap) -> None:
