@@ -14,8 +14,9 @@ import numpy as np
 from ...core import engine
 from .. import compat, scheduler
 from ..nodes.output_flags import Flag, set_flag
-from ..objects import (bodies, evaluator, incoming_mesh, mesh_reader, messages, modifier, output_mesh, painted_maps,
-                       posed_coarse, properties, runtimes, units, viewport_mesh, visibility, weight_paint, wind)
+from ..objects import (bodies, changes, evaluator, incoming_mesh, mesh_reader, messages, modifier, output_mesh,
+                       painted_maps, posed_coarse, properties, runtimes, units, viewport_mesh, visibility, weight_paint,
+                       wind)
 from ..objects.runtimes import Inputs, Runtime
 from ..scheduler import LOCK
 from ..viewport import preview
@@ -35,7 +36,8 @@ def process(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
         objects = bodies.in_order([pair for pair in modifier.wrinkled_objects() if first_pass.is_needed(*pair)])
         late = {obj for obj, nodes_mod in objects if _is_late(obj, nodes_mod)}
         try:
-            if scheduler.allowed_now() and any(_needs_structure(obj, nodes_mod) for obj, nodes_mod in objects):
+            if scheduler.allowed_now() and (changes.takes_converted() or any(
+                    _needs_structure(obj, nodes_mod) for obj, nodes_mod in objects)):
                 _rebuild_here(objects, depsgraph)
             written = _solve_levels([pair for pair in objects if pair[0] not in late], objects, scene, depsgraph)
         finally:

@@ -5,8 +5,9 @@ from __future__ import annotations
 import bpy
 import numpy as np
 
+from ...core.systems import SYSTEMS
 from .. import compat, scheduler
-from ..nodes import field_profile
+from ..nodes import field_profile, wrinkle_tree
 from ..scheduler import LOCK
 from . import bodies, guide_curves, incoming_mesh, made_collections, modifier, runtimes
 
@@ -34,6 +35,7 @@ def settings_changed(obj: bpy.types.Object, affects: str, structural: bool) -> N
 
 # ---------------------------------------------------------------- what an update touched
 _animation_alone = False  # during the evaluation of a frame: whether no vertex group was edited before it
+_converted = False  # see takes_converted()
 _missed = False  # whether an update was not looked at since the last frame that was
 
 
@@ -63,6 +65,7 @@ def note_updates(depsgraph: bpy.types.Depsgraph) -> None:
         _missed = True
         return
     _note_moved()
+    _note_converted(depsgraph)
     touched = _touched_ids(depsgraph)
     if not touched:
         return
@@ -85,6 +88,25 @@ def note_updates(depsgraph: bpy.types.Depsgraph) -> None:
                 runtime.paint = None
                 if not _animation_alone:
                     runtime.forget_paint()  # an edit of vertex groups may list only the object, as animation does
+
+
+def takes_converted() -> bool:
+    """Whether an object was converted to a mesh since the last call: traces of its wrinkles are to be removed."""
+    global _converted
+    found, _converted = _converted, False
+    return found
+
+
+def _note_converted(depsgraph: bpy.types.Depsgraph) -> None:
+    """Object > Convert to Mesh, and Blender's own Apply, take the modifier away and leave its method."""
+    global _converted
+    for update in depsgraph.updates:
+        if update.is_updated_geometry and isinstance(update.id, bpy.types.Object):
+            obj = update.id.original
+            if (obj.type == "MESH" and obj.rumple.method in SYSTEMS and modifier.find(obj) is None
+                    and wrinkle_tree.BASE_POSITION in obj.data.attributes and compat.is_editable(obj)):
+                _converted = True
+                scheduler.request()
 
 
 def _note_moved() -> None:

@@ -125,6 +125,8 @@ class OBJECT_OT_rumple_add(bpy.types.Operator):
 
     def _add_wrinkles(self, context: bpy.types.Context, obj: bpy.types.Object) -> set[str]:
         runtimes.forget(obj)
+        if obj.rumple.method in SYSTEMS:  # it was converted to a mesh, or its modifier was removed otherwise
+            rebuild.drop_traces(obj)
         obj.rumple.method = self.method
         kept, maps, by_hand = _set_properties(obj), set(obj.vertex_groups.keys()), self._may_wait
         notes = first_click.set_up(obj, context.scene)
