@@ -18,7 +18,7 @@ from ...core.engine import UserError
 from ...core.frame_result import Attribute, FrameResult
 from .. import compat, scheduler
 from ..frame import clip_status, path_curves
-from ..objects import clip_place, messages, modifier, output_mesh, runtimes
+from ..objects import clip_place, messages, modifier, output_mesh, runtimes, units
 from ..objects.clip_place import stored_path
 from .playback import BakeError, Playback
 
@@ -154,8 +154,7 @@ class ClipBake:
         self.samples = self.playback.samples_in_order()
 
     def _make_playback(self, context: bpy.types.Context) -> Playback:
-        about = self.obj.rumple
-        return Playback(context, self.obj, about.bake_start, about.bake_end, about.bake_samples)
+        return Playback(context, self.obj, *units.bake_range(self.obj, context.scene), self.obj.rumple.bake_samples)
 
     def _begin(self, context: bpy.types.Context, path: Path) -> None:
         obj, about = self.obj, self.obj.rumple

@@ -44,8 +44,9 @@ def in_words(seconds: float) -> str:
 
 def _seconds(obj: bpy.types.Object, scene: bpy.types.Scene) -> float:
     """Estimated time of all frames that a bake solves, including those before its first one."""
-    runtime, about = runtimes.known(obj), obj.rumple
+    runtime = runtimes.known(obj)
     if modifier.find(obj) is None or runtime is None:
         return 0.0
-    before = max(about.bake_start - units.first_frame(obj, scene), 0)
-    return runtime.frame_seconds * (before + max(about.bake_end - about.bake_start, 0) * about.bake_samples + 1)
+    start, end = units.bake_range(obj, scene)
+    before = max(start - units.first_frame(obj, scene), 0)
+    return runtime.frame_seconds * (before + max(end - start, 0) * obj.rumple.bake_samples + 1)

@@ -8,7 +8,7 @@ import bpy
 
 from .. import ui_base
 from ..frame import first_pass
-from ..objects import clip_place, modifier
+from ..objects import clip_place, clip_range, modifier, units
 from ..translation import said
 from . import clip, duration, shape_keys
 from .playback import BakeError, Playback
@@ -150,6 +150,7 @@ class OBJECT_OT_rumple_bake(ui_base.OnWrinkled, bpy.types.Operator):
         """Finish the bake of one object. Raises BakeError."""
         written = bake.finish()
         self._baked += 1
+        clip_range.keep(bake.obj, bake.playback.scene, bake.playback.start, bake.playback.end)
         note = bake.note + (UNSAVED if clip_place.is_temporary(written) else "")
         self.report({"WARNING"} if note else {"INFO"},
                     said(f"Baked {bake.writer.manifest.sample_count} samples to {written}{note}"))
@@ -191,8 +192,9 @@ class OBJECT_OT_rumple_bake_shape_keys(ui_base.OnWrinkled, bpy.types.Operator):
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         obj = context.object
-        start = self.start if self.properties.is_property_set("start") else obj.rumple.bake_start
-        end = self.end if self.properties.is_property_set("end") else obj.rumple.bake_end
+        start, end = units.bake_range(obj, context.scene)
+        start = self.start if self.properties.is_property_set("start") else start
+        end = self.end if self.properties.is_property_set("end") else end
         playback = None
         try:
             playback = Playback(context, obj, start, end, 1)

@@ -22,13 +22,26 @@ def draw_header(layout: bpy.types.UILayout, obj: bpy.types.Object) -> None:
     row.operator("object.rumple_bake_free", text="Free")
 
 
+def _draw_range(column: bpy.types.UILayout, obj: bpy.types.Object, scene: bpy.types.Scene) -> None:
+    """The frame range: greyed if it is that of the scene."""
+    column.prop(obj.rumple, "bake_scene_range")
+    own = column.column()
+    own.enabled = not obj.rumple.bake_scene_range
+    for name, of_scene, label in (("bake_start", "frame_start", "Start"), ("bake_end", "frame_end", "End")):
+        if own.enabled:
+            own.prop(obj.rumple, name)
+        else:
+            own.prop(scene, of_scene, text=label)
+
+
 class DATA_PT_rumple_bake(Panel, bpy.types.Panel):
     bl_label = "Bake"
     bl_options = {"DEFAULT_CLOSED"}
 
     def draw(self, context: bpy.types.Context) -> None:
         column, obj = property_column(self.layout), context.object
-        for name in ("bake_start", "bake_end", "bake_samples", "bake_folder"):
+        _draw_range(column, obj, context.scene)
+        for name in ("bake_samples", "bake_folder"):
             column.prop(obj.rumple, name)
         if clip_status.sees_ahead(obj, context.scene):
             column.prop(obj.rumple, "bake_whole_clip")

@@ -18,7 +18,7 @@ from ...core.frame_result import Attribute
 from ..bake import clip
 from ..bake.playback import BakeError
 from ..frame import clip_status, path_curves
-from ..objects import messages, modifier, runtimes
+from ..objects import messages, modifier, runtimes, units
 from . import plan, source
 
 Say = Callable[[str], None]
@@ -171,9 +171,8 @@ class FarmBake(clip.ClipBake):
 # ---------------------------------------------------------------- existing clips
 def whole_clip(obj: bpy.types.Object, digest: str, any_frames: bool = False) -> Manifest | None:
     """The clip at an object's place, if it is complete and has the same file, settings and frames. Otherwise None."""
-    about = obj.rumple
-    return whole_at(clip.new_clip_path(obj), obj, digest,
-                    None if any_frames else (about.bake_start, about.bake_end, about.bake_samples))
+    frames = *units.bake_range(obj, bpy.context.scene), obj.rumple.bake_samples
+    return whole_at(clip.new_clip_path(obj), obj, digest, None if any_frames else frames)
 
 
 def whole_at(path: Path, obj: bpy.types.Object, digest: str, frames: tuple[int, int, int] | None) -> Manifest | None:
@@ -208,14 +207,14 @@ def show_needed(obj: bpy.types.Object, files: str, all_frames: bool = True) -> l
     """Make the objects under a garment play their clips, as in a bake of all objects. Returns the names of those
     without a clip, which are solved live. all_frames: raise BakeError if a clip does not cover the frames of the
     bake."""
-    live = []
+    live, (start, end) = [], units.bake_range(obj, bpy.context.scene)
     for name in _all_needed(obj):
         other = bpy.data.objects[name]
         manifest = whole_clip(other, source.of_garment(other, files), any_frames=True)
         plays, path = modifier.plays_clip(modifier.find(other)), clip.new_clip_path(other)
         if manifest is None:
             live.append(name)
-        elif all_frames and (manifest.start > obj.rumple.bake_start or manifest.end < obj.rumple.bake_end):
+        elif all_frames and (manifest.start > start or manifest.end < end):
             raise BakeError(f"it rests on {name}, whose clip has frames {manifest.start} to {manifest.end} only: bake "
                             "that one for all frames of this one")
         elif not plays or clip_status.clip_path(other) != path:

@@ -192,15 +192,20 @@ def _run(chosen: argparse.Namespace) -> int:
 def _override(chosen: argparse.Namespace, there: list[bpy.types.Object],
               garments: list[bpy.types.Object]) -> Callable[[], None]:
     """Set frames and folder from the command line. Returns a function that restores the values of the file."""
-    before = [(obj.rumple, obj.rumple.bake_start, obj.rumple.bake_end, obj.rumple.bake_folder) for obj in there]
+    before = [(obj.rumple, obj.rumple.bake_scene_range, tuple(obj.rumple.bake_known_range), obj.rumple.bake_start,
+               obj.rumple.bake_end, obj.rumple.bake_folder) for obj in there]
     for obj in garments if chosen.frames else ():
         obj.rumple.bake_start, obj.rumple.bake_end = chosen.frames
     for obj in there if chosen.out else ():  # clips of objects under them are searched there too
         obj.rumple.bake_folder = os.path.abspath(chosen.out)
 
     def restore() -> None:
-        for about, start, end, folder in before:
+        for about, follows, known, start, end, folder in before:
+            about.bake_scene_range = False
             about.bake_start, about.bake_end, about.bake_folder = start, end, folder
+            if follows:
+                about.bake_scene_range = True
+                about.bake_known_range = known
 
     return restore
 

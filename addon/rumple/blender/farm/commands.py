@@ -15,7 +15,7 @@ from ...core.clip_lock import Held
 from ...core.clip_manifest import ClipFault, Manifest
 from ..bake import clip
 from ..bake.playback import BakeError
-from ..objects import clip_place, modifier
+from ..objects import clip_place, modifier, units
 from . import bake, check, pieces, plan, poses, shown, source, verify
 from .shown import Exported
 
@@ -163,11 +163,11 @@ def list_all(garments: list[bpy.types.Object], say: Say) -> Outcome:
     """List the garments, in the order of the bake."""
     rows = []
     for obj in garments:
-        about = obj.rumple
-        rows.append(dict(name=obj.name, needs=plan.needs(obj), start=about.bake_start, end=about.bake_end,
-                         samples=about.bake_samples, bytes=plan.bytes_of(obj), cut=pieces.kind(obj)))
+        start, end = units.bake_range(obj, bpy.context.scene)
+        rows.append(dict(name=obj.name, needs=plan.needs(obj), start=start, end=end, samples=obj.rumple.bake_samples,
+                         bytes=plan.bytes_of(obj), cut=pieces.kind(obj)))
         rests = f", rests on {', '.join(rows[-1]['needs'])}" if rows[-1]["needs"] else ""
-        say(f"{obj.name}: frames {about.bake_start}-{about.bake_end}, about {megabytes(rows[-1]['bytes'])} MB{rests}")
+        say(f"{obj.name}: frames {start}-{end}, about {megabytes(rows[-1]['bytes'])} MB{rests}")
     return Outcome(DONE, dict(file=bpy.data.filepath, garments=rows))
 
 

@@ -98,7 +98,7 @@ class PieceBake(bake.FarmBake):
 
 def _cut(obj: bpy.types.Object, count: int) -> list[Piece]:
     try:
-        return clip_pieces.pieces_of(obj.rumple.bake_start, obj.rumple.bake_end, count)
+        return clip_pieces.pieces_of(*units.bake_range(obj, bpy.context.scene), count)
     except ClipFault as error:
         raise BakeError(f"{obj.name}: {error}") from error
 

@@ -9,7 +9,7 @@ import bpy
 
 from ...core import clip_file
 from .. import compat
-from ..objects import bodies, modifier
+from ..objects import bodies, modifier, units
 
 _MANIFEST_BYTES = 600  # approximately, per sample
 
@@ -49,6 +49,6 @@ def bytes_of(obj: bpy.types.Object) -> int:
         return 0
     points = clip_file.point_count(len(output.data.vertices), len(output.data.loops),
                                    modifier.system(nodes_mod).wrinkles.ATTRIBUTES)
-    about = obj.rumple
-    samples = max(about.bake_end - about.bake_start, 0) * about.bake_samples + 1
+    start, end = units.bake_range(obj, bpy.context.scene)
+    samples = max(end - start, 0) * obj.rumple.bake_samples + 1
     return clip_file.HEADER_BYTES + samples * (12 * points + _MANIFEST_BYTES)

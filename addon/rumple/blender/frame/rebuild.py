@@ -13,7 +13,7 @@ from ...core.shown_mesh import ShownMesh, ViewportMesh
 from .. import compat, scheduler
 from ..nodes import field_profile, field_shader, wrinkle_tree
 from ..nodes.output_flags import Flag, set_flag
-from ..objects import (applied_transforms, bodies, duplicates, evaluator, incoming_mesh, kept_lists,
+from ..objects import (applied_transforms, bodies, clip_range, duplicates, evaluator, incoming_mesh, kept_lists,
                        mesh_reader, messages, modifier, output_mesh, own_mesh_place, runtimes, units, viewport_mesh)
 from ..objects.runtimes import Runtime
 from . import clip_status, path_curves
@@ -36,6 +36,9 @@ def sync_all() -> None:
         duplicates.split_worn_over([obj for obj, _ in objects])
         bodies.connect_all()
         bodies.forget_removed()
+    for obj, _nodes_mod in objects:
+        with messages.console_errors("frame range"):
+            clip_range.follow(obj)
     for obj, nodes_mod in objects:
         if runtimes.of(obj).stale and not is_awaited(obj, nodes_mod):
             prepare(obj, nodes_mod)

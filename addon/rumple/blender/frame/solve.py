@@ -14,9 +14,9 @@ import numpy as np
 from ...core import engine
 from .. import compat, scheduler
 from ..nodes.output_flags import Flag, set_flag
-from ..objects import (bodies, changes, evaluator, incoming_mesh, mesh_reader, messages, modifier, output_mesh,
-                       painted_maps, posed_coarse, properties, runtimes, units, viewport_mesh, visibility, weight_paint,
-                       wind)
+from ..objects import (bodies, changes, clip_range, evaluator, incoming_mesh, mesh_reader, messages, modifier,
+                       output_mesh, painted_maps, posed_coarse, properties, runtimes, units, viewport_mesh, visibility,
+                       weight_paint, wind)
 from ..objects.runtimes import Inputs, Runtime
 from ..scheduler import LOCK
 from ..viewport import preview
@@ -87,6 +87,8 @@ def _is_late(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier) -> bool:
     """Whether this depsgraph may not have evaluated its bodies, because the modifier does not refer to them yet."""
     with messages.frame_errors(obj, runtimes.of(obj)):
         _note_groups(obj)
+        if clip_range.is_outdated(obj):
+            scheduler.request(scheduler.DELAY)
         if bodies.is_connected(obj, nodes_mod):
             return False
         runtimes.of(obj).stale = True

@@ -39,7 +39,8 @@ def _set_defaults(obj: bpy.types.Object, scene: bpy.types.Scene) -> set[str]:
         base = mesh_reader.base_mesh(obj, "REST_POSE", "")
         values[system.SUGGESTED] = system.suggested_length(base, rig_scale.metres_at_rest(obj, scene))
     properties.apply_values(obj, scene, values)
-    obj.rumple.bake_start, obj.rumple.bake_end = scene.frame_start, scene.frame_end
+    if obj.rumple.bake_scene_range or not obj.rumple.is_property_set("bake_scene_range"):
+        obj.rumple.bake_scene_range = True
     return lengths
 
 

@@ -11,7 +11,7 @@ import bpy
 from ...core import engine
 from ...core.systems import SYSTEMS, System
 from .. import compat
-from . import bodies, changes, own_mesh_place, runtimes, units
+from . import bodies, changes, clip_range, own_mesh_place, runtimes, units
 
 METHODS = (("NONE", "None", "No wrinkles"), *((s.method, s.label, s.tip) for s in SYSTEMS.values()))
 MAPS = ("MAPS", "Wrinkle Maps", "Normal maps of reference poses, blended by the pose of the bones")
@@ -123,6 +123,15 @@ RUMPLE_PathsSettings = _settings_group("PATHS", gpu_preview=_gpu_preview(
         update=_redraw, description="Of the labels; the ellipses have twice as much"))
 
 
+def _range_edited(name: str) -> Callable[[bpy.types.PropertyGroup, bpy.types.Context], None]:
+    return lambda group, _context: clip_range.edited(group, name)
+
+
+def _range_switched(group: bpy.types.PropertyGroup, context: bpy.types.Context) -> None:
+    clip_range.switched(group)
+    _changed("SHOW")(group, context)
+
+
 def _is_own_mesh(group: bpy.types.PropertyGroup, candidate: bpy.types.Object) -> bool:
     return candidate.type == "MESH" and candidate != group.id_data
 
@@ -198,10 +207,16 @@ class RUMPLE_Object(bpy.types.PropertyGroup):
                                       subtype="NONE", options=set(), override=_OVERRIDE, update=_changed("SHOW"),
                                       description="Most room for the stored frames of this object on disk, in "
                                                   "megabytes. The oldest go first")
+    bake_scene_range: bpy.props.BoolProperty(name="Scene Range", default=False, options=set(), override=_OVERRIDE,
+                                             update=_range_switched,
+                                             description="Bake the frame range of the scene, whatever it becomes. The "
+                                                         "clip begins at its Start")
     bake_start: bpy.props.IntProperty(name="Start", default=1, options=set(), override=_OVERRIDE,
-                                      description="First frame that is baked")
+                                      update=_range_edited("bake_start"), description="First frame that is baked")
     bake_end: bpy.props.IntProperty(name="End", default=250, options=set(), override=_OVERRIDE,
-                                    description="Last frame that is baked")
+                                    update=_range_edited("bake_end"), description="Last frame that is baked")
+    # Hidden. The frames that the clip has while it follows the scene: see clip_range.py.
+    bake_known_range: bpy.props.IntVectorProperty(size=2, name="Scene Range", override=_OVERRIDE)
     bake_samples: bpy.props.IntProperty(name="Samples", default=1, min=1, max=16, options=set(), override=_OVERRIDE,
                                         description="Solves for each frame. 1 is right for most; more make motion blur "
                                                     "follow fast turns")

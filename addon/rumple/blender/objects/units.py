@@ -23,7 +23,17 @@ def scene_of(obj: bpy.types.Object) -> bpy.types.Scene:
 def first_frame(obj: bpy.types.Object, scene: bpy.types.Scene) -> int:
     """The frame of the clip that depends on no frame before it. Not only the scene's Start: artists move it to render a
     part again, and a bake may begin before it."""
-    return min(scene.frame_start, obj.rumple.bake_start)
+    about = obj.rumple
+    if not about.bake_scene_range:
+        return min(scene.frame_start, about.bake_start)
+    first, last = about.bake_known_range
+    return scene.frame_start if scene.frame_start > last else min(scene.frame_start, first)
+
+
+def bake_range(obj: bpy.types.Object, scene: bpy.types.Scene) -> tuple[int, int]:
+    """The first and the last frame of a bake."""
+    about = obj.rumple
+    return (scene.frame_start, scene.frame_end) if about.bake_scene_range else (about.bake_start, about.bake_end)
 
 
 def frame_of(scene: bpy.types.Scene) -> float:
