@@ -90,7 +90,7 @@ MESSAGES = tuple((re.compile(pattern), anchor) for pattern, anchor in (
     (r"to paint on|: apply it to paint|mesh was edited|is not a vector|are baked: free|switch the modifier on"
      r"|nothing is solved yet", "rest-wrinkles"),
     (r"open border|an image|no image|(no|the) material (\"|to paint)|the pixels of|the UV map has|to paint: choose"
-     r"|is locked: unlock|is painted |^A mask of", "paint"),
+     r"|is locked: unlock|is painted |no painted map|what was painted|^A mask of", "paint"),
     (r"pose .* every bone|to be the root|do not sum to 1|has no bone|has no shape key|the same value in every pose"
      r"|shape keys are absolute|cannot be set here: a driver|without .*: update it|was stretched or mirrored"
      r"|no armature deforms|is compared"

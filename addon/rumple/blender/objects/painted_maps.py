@@ -16,7 +16,7 @@ from ...core.paint_maps import WIDTH
 from ...core.painted_rigid import RIGID
 from ...core.settings import FieldSettings, MeshSettings
 from .. import compat, scheduler
-from . import cloth_defaults, mesh_reader, properties, runtimes, units
+from . import cloth_defaults, lost_maps, mesh_reader, modifier, properties, runtimes, units
 
 # In the order of the list in the panel.
 KEYS = ("drape", "folds", "detail", "mask", WIDTH, "radius", "prestretch", "bending", "inside", "room", FREE,
@@ -138,6 +138,7 @@ def read(obj: bpy.types.Object) -> dict[str, np.ndarray]:
         if runtime.weights is None or runtime.weights.keys() != set(names):
             runtime.weights = mesh_reader.weights_by_name(obj, names)
         runtime.paint = mesh_reader.paint(obj, settings, runtime.weights)
+        lost_maps.follow(obj, runtime, settings)
     return runtime.paint
 
 
@@ -205,6 +206,9 @@ def remove(obj: bpy.types.Object, painted: PaintedMap) -> None:
     """Remove a map. The active group stays active, unless it is this one."""
     groups = obj.vertex_groups
     active = groups.active.name if groups.active is not None else ""
+    for other, _ours in modifier.wrinkled_objects():
+        if other.data == obj.data:
+            lost_maps.forget(other, painted.name)
     groups.remove(groups[painted.name])
     if active in groups:
         groups.active_index = groups[active].index

@@ -57,6 +57,9 @@ class Runtime(RuntimeBase):
     built_with: dict[str, Any] = field(default_factory=dict)  # the properties for which `evaluator` was built
     paint: dict[str, np.ndarray] | None = None  # None: must be read again
     weights: dict[str, np.ndarray] | None = None  # those of its vertex groups, by name; None: likewise
+    maps_in_use: set[str] = field(default_factory=set)  # names of the painted maps that were read last ...
+    groups_read: list[str] = field(default_factory=list)  # ... and of all vertex groups at that time
+    lost_maps: dict[str, str] = field(default_factory=dict)  # see lost_maps.py: name -> new name, or an empty text
     painted_steps: tuple[tuple[int, str, str], np.ndarray] | None = None  # see weight_paint.py
     shows_coarse: bool = False  # the mesh of output_key shows the coarse mesh, not the folds
     asked_for_coarse: bool = False  # by the last redraw
@@ -98,6 +101,8 @@ class Runtime(RuntimeBase):
 
     def invalidate(self) -> None:
         self.forget_paint()
+        self.maps_in_use = set()  # undo may take paint back
+        self.lost_maps = {name: new for name, new in self.lost_maps.items() if new}
         self.stop_building()
         super().invalidate()
 

@@ -7,7 +7,8 @@ import os
 
 import bpy
 
-from . import bodies, mesh_reader, modifier, point_caches, properties, runtimes, subdivision_behind, units
+from . import (bodies, lost_maps, mesh_reader, modifier, point_caches, properties, runtimes, subdivision_behind,
+               units)
 
 # Modifiers that pose or simulate a garment. Behind the wrinkles they do not affect the folds. Smooth, Shrinkwrap and
 # similar ones are allowed there.
@@ -23,7 +24,7 @@ def of(obj: bpy.types.Object) -> list[str]:
         return []
     if modifier.is_baked(nodes_mod):
         return point_caches.notes(obj)
-    return (_order(obj, nodes_mod) + _particles(obj, nodes_mod) + _armatures(obj) + _scale(obj)
+    return (lost_maps.renamed(obj) + _order(obj, nodes_mod) + _particles(obj, nodes_mod) + _armatures(obj) + _scale(obj)
             + _other_points_in_renders(obj, nodes_mod)
             + subdivision_behind.notes(obj, runtimes.of(obj).evaluator) + skipped_frames(obj) + _finer_bodies(obj)
             + point_caches.notes(obj))

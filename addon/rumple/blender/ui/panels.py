@@ -11,7 +11,7 @@ from ..brush import panel as brush_panel
 from ..frame import clip_status, disk_frames
 from ..maps import keys as maps_keys, modifier as maps_modifier
 from ..nodes import field_profile, field_shader
-from ..objects import changes, clip_place, modifier, properties, runtimes, stack_notes
+from ..objects import changes, clip_place, lost_maps, modifier, properties, runtimes, stack_notes
 from ..translation import OWN_CONTEXT, said
 from ..ui_base import Panel, draw_message, draw_note, draw_setting, named_paint, property_column, settings_column
 from ..viewport import preview
@@ -288,7 +288,7 @@ def status_lines(obj: bpy.types.Object) -> list[tuple[str, str]]:
             lines.append((f"Milliseconds: {times}" + (" (stored frame)" if result.replayed else ""), "TIME"))
         lines += [(line, "BLANK1") for line in fine.status(result)]
     notes = [*runtime.notes, clip_status.late_in_renders(obj), runtime.unplayed, preview.refusal(obj),
-             *_fields_not_felt(inputs)]
+             *_fields_not_felt(inputs), *lost_maps.deleted(obj)]
     return lines + [(note, "INFO") for note in notes if note]
 
 
