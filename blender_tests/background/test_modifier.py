@@ -2,6 +2,8 @@
 """The modifier in the stack: added, removed, applied, embedded."""
 from __future__ import annotations
 
+import contextlib
+import io
 import math
 import os
 import tempfile
@@ -106,6 +108,21 @@ class Stack(unittest.TestCase):
         self.assertEqual(sleeve.names(bpy.data.objects), ["Arm", "Sleeve"])
         left = [a.name for a in obj.data.attributes if a.name.startswith("rumple_base")]
         self.assertEqual(left, [])
+
+
+    def test_copied_to_another_object(self) -> None:
+        """Blender's Copy Modifiers: the object's settings were read as those of another system, "unexpected"."""
+        for method in ("FIELD", "PATHS"):
+            obj = sleeve.scene(wrinkles=False)
+            sleeve.click(obj, method)
+            other = sleeve.skinned(sleeve.tube("Other"), bpy.data.objects["Arm"], "Other")
+            other.select_set(True)
+            printed = io.StringIO()
+            with contextlib.redirect_stdout(printed):
+                bpy.ops.object.make_links_data(type="MODIFIERS")
+                sleeve.at(10)
+            self.assertEqual((printed.getvalue(), other.rumple.method, other.rumple.message), ("", method, ""))
+            self.assertIsNotNone(runtimes.of(other).result)
 
 
 class Embedding(unittest.TestCase):

@@ -142,6 +142,10 @@ def _read_guarded(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier, sce
         if output_obj is None or output_obj.type != "MESH":
             scheduler.request()
             return None
+        if obj.rumple.method != modifier.system(nodes_mod).method:  # the modifier was copied from another object
+            runtime.stale = True
+            scheduler.request()
+            return None
         keys = {compat.session_key(output) for output in modifier.outputs(nodes_mod)}
         if keys & outputs_seen or not all(compat.is_editable(o) and compat.is_editable(o.data)
                                           for o in modifier.outputs(nodes_mod)):
@@ -271,7 +275,8 @@ def _inputs(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier, runtime: 
     paint = painted_maps.read(obj)
     # Use the evaluated copy, because it has the right animated settings, also in renders. Lengths are in the units of
     # the scene that the fine mesh was made for, whichever scene is evaluated.
-    settings = properties.settings_of(evaluated, units.scene_of(obj))
+    known = evaluated if evaluated.rumple.method == obj.rumple.method else obj  # the method was set in this frame
+    settings = properties.settings_of(known, units.scene_of(obj))
     world = np.array(evaluated.matrix_world.to_3x3(), np.float32)
     for_viewport = depsgraph.mode == "VIEWPORT"
     uses_proxy = for_viewport and preview.uses_proxy(obj, nodes_mod)
