@@ -10,7 +10,7 @@ import bpy
 from bpy.app.handlers import persistent
 
 from . import scheduler
-from .frame import clip_status, disk_frames, first_pass, rebuild, solve
+from .frame import clip_status, disk_frames, first_pass, path_curves, rebuild, solve
 from .maps import (changes as maps_changes, modifier as maps_modifier, rebuild as maps_rebuild,
                    runtimes as maps_runtimes, solve as maps_solve)
 from .objects import (bodies, building, changes, kept_lists, made_collections, messages, modifier, runtimes,
@@ -62,6 +62,8 @@ def _on_frame(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
 @_handler
 def _on_update(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
     _follow(scene, depsgraph)
+    if scheduler.in_main_thread() and not scheduler.rendering():
+        path_curves.note_deleted(scene)
 
 
 def _follow(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:

@@ -173,7 +173,24 @@ def _is_left_over(child: bpy.types.Object, garment: bpy.types.Object | None,
     child stays."""
     if garment is None:
         return child.parent is None
-    return garment not in wrinkled or not properties.system_of(garment).wrinkles.HAS_CURVES
+    return (garment not in wrinkled or not properties.system_of(garment).wrinkles.HAS_CURVES
+            or _was_deleted(child, garment))
+
+
+def _was_deleted(child: bpy.types.Object, garment: bpy.types.Object) -> bool:
+    """Whether the artist has deleted the garment. Blender then takes it out of all collections, but keeps it, because
+    the child refers to it."""
+    return compat.is_editable(garment) and not garment.users_collection and bool(child.users_collection)
+
+
+def note_deleted(scene: bpy.types.Scene) -> None:
+    """Called after an update: request the removal of children whose garments were deleted."""
+    for child, nodes_mod in all_curves():
+        garment = garment_of(nodes_mod)
+        if garment is None or compat.holds(scene.objects, garment) or not compat.is_editable(child):
+            continue
+        if _was_deleted(child, garment):
+            scheduler.request()
 
 
 # ---------------------------------------------------------------- baked
