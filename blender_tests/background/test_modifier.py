@@ -109,7 +109,6 @@ class Stack(unittest.TestCase):
         left = [a.name for a in obj.data.attributes if a.name.startswith("rumple_base")]
         self.assertEqual(left, [])
 
-
     def test_copied_to_another_object(self) -> None:
         """Blender's Copy Modifiers: the object's settings were read as those of another system, "unexpected"."""
         for method in ("FIELD", "PATHS"):
