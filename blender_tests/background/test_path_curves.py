@@ -265,6 +265,20 @@ class ElseWhere(vanilla_blender.InAFolder, unittest.TestCase):
         for frame in (20, 15):
             np.testing.assert_allclose(there[float(frame)]["position"], live[frame][1], atol=2e-6)
 
+    def test_a_bake_prints_no_error_of_blender(self) -> None:
+        """Its Mesh Cache stood behind the nodes, which leave no points, until it was moved above them."""
+        obj, child = curved()
+        move, on = compat.move_modifier, []
+
+        def watched(moved: bpy.types.Object, source: int, target: int) -> None:
+            on.append(moved.modifiers[source].show_viewport)
+            move(moved, source, target)
+
+        with mock.patch.object(compat, "move_modifier", watched):
+            bpy.ops.object.rumple_bake()
+        self.assertEqual(on, [False])
+        self.assertTrue(modifier.mesh_cache(child).show_viewport)
+
     def test_between_baked_samples_they_ride_on_the_pose(self) -> None:
         obj, child = curved()
         self.save()
