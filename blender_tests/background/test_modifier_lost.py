@@ -1,14 +1,15 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What Blender's own operators take the modifier from has no wrinkles any more: Convert to Mesh, and Apply."""
+"""What Blender's own operators take the modifier from has no wrinkles any more: Convert to Mesh, Apply, Delete."""
 from __future__ import annotations
 
 import unittest
+from unittest import mock
 
 import bpy
-from rumple.blender import ui_base
+from rumple.blender import handlers, scheduler, ui_base
 from rumple.blender.nodes import wrinkle_tree
 from rumple.blender.objects import modifier, runtimes
-from support import sleeve
+from support import curve_edges, sleeve
 
 
 class Converted(unittest.TestCase):
@@ -59,6 +60,39 @@ class Converted(unittest.TestCase):
         obj = self.made()
         bpy.ops.object.convert(target="MESH")
         self.clicked(obj, "PATHS")
+
+
+class WithCurves(unittest.TestCase):
+    """The curves of Wrinkle Paths are a child of their garment."""
+
+    def curved(self) -> tuple[bpy.types.Object, bpy.types.Object]:
+        obj = sleeve.scene(wrinkles=False)
+        bpy.ops.object.rumple_add(method="PATHS")
+        bpy.ops.object.rumple_curves_add()
+        return obj, curve_edges.child_of(obj)
+
+    def test_they_are_deleted_with_their_garment(self) -> None:
+        """Blender's Delete left them in the scene, with folds of a garment that was gone."""
+        obj, _child = self.curved()
+        sleeve.make_active(obj)
+        bpy.ops.object.delete()
+        requests: list[float] = []
+        with mock.patch.object(scheduler, "request", lambda *wait: requests.append(0.0)):
+            bpy.context.view_layer.update()
+            sleeve.at(5)
+            handlers._on_update(bpy.context.scene, bpy.context.evaluated_depsgraph_get())
+        self.assertTrue(requests, "in a window a timer would have nothing to do")
+        scheduler.sync_all()
+        self.assertEqual([o.name for o in bpy.context.scene.objects], ["Arm"])
+
+    def test_a_garment_that_is_only_hidden_keeps_them(self) -> None:
+        """It is in a collection of no scene."""
+        obj, child = self.curved()
+        aside = bpy.data.collections.new("Aside")
+        aside.objects.link(obj)
+        bpy.context.scene.collection.objects.unlink(obj)
+        scheduler.sync_all()
+        self.assertIn(child, list(bpy.context.scene.objects))
 
 
 if __name__ == "__main__":

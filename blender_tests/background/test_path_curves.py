@@ -154,29 +154,6 @@ class Lives(unittest.TestCase):
             self.assertFalse(any(path_curves_tree.is_ours(group) for group in bpy.data.node_groups))
             self.assertLessEqual(sleeve.names(bpy.data.meshes), ["Sleeve"])
 
-    def test_they_are_deleted_with_their_garment(self) -> None:
-        """Blender's Delete left them in the scene, with folds of a garment that was gone."""
-        obj, child = curved()
-        sleeve.make_active(obj)
-        bpy.ops.object.delete()
-        requests: list[float] = []
-        with mock.patch.object(scheduler, "request", lambda *wait: requests.append(0.0)):
-            bpy.context.view_layer.update()
-            sleeve.at(5)
-            handlers._on_update(bpy.context.scene, bpy.context.evaluated_depsgraph_get())
-        self.assertTrue(requests, "in a window a timer would have nothing to do")
-        scheduler.sync_all()
-        self.assertEqual([o.name for o in bpy.context.scene.objects], ["Arm"])
-
-    def test_a_garment_that_is_only_hidden_keeps_them(self) -> None:
-        """It is in a collection of no scene."""
-        obj, child = curved()
-        aside = bpy.data.collections.new("Aside")
-        aside.objects.link(obj)
-        bpy.context.scene.collection.objects.unlink(obj)
-        scheduler.sync_all()
-        self.assertIn(child, list(bpy.context.scene.objects))
-
     def test_an_emptied_input_removes_nothing(self) -> None:
         _, child = curved()
         nodes_mod = path_curves.find(child)
