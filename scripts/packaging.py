@@ -73,7 +73,7 @@ def zips(installed: Path, out: Path) -> None:
     if others:
         write_zip(out / f"examples-{version}.zip", others | {"examples/LICENSE": addon["LICENSE"]})
     addon |= {f"shaders/{name}": data for name, data in files_below(ROOT / "shaders").items()}  # see viewport/glsl.py
-    guide = guide_files(ROOT / "build" / "guide")  # see core/guide.py
+    guide = guide_files(ROOT / "build" / "guide")  # see core/settings/guide.py
     addon |= {f"guide/{name}": data for name, data in guide.items()}
     libraries = {f"lib/{name}": data for name, data in files_below(installed).items()}  # see native/library.py
     libraries |= {f"{name}.sha256": hashlib.sha256(data).hexdigest().encode() for name, data in libraries.items()}

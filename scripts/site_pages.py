@@ -34,8 +34,9 @@ PYTHON = {
     "What does the work": ("native", ("surface", "base_cloth", "wrinkle_mesh", "wrinkle_layers", "wrinkle_field",
                                       "wrinkle_field_brush", "wrinkle_field_steps", "wrinkle_paths",
                                       "wrinkle_paths_drawing", "wrinkle_maps", "handle", "library")),
-    "What an add-on needs beside it": ("core", ("settings", "fabrics", "engine", "systems", "base_mesh", "frame_cache",
-                                                "clip_file", "poses", "usd_text")),
+    "What an add-on needs beside it": ("core", ("settings.system_settings", "settings.fabrics", "mesh.base_mesh",
+                                                "frame.engine", "frame.frame_cache", "systems.all_systems",
+                                                "systems.poses", "files.clip_file", "files.usd_text")),
 }
 _LINK = re.compile(r"(?<!\\)\]\(([^)\s]+)\)")
 
@@ -119,7 +120,7 @@ def add_python(out: Path) -> None:
     for title, (package, modules) in PYTHON.items():
         lines += [f"## {title}", ""]
         for module in modules:
-            name = f"python_{package}_{module}"
+            name = f"python_{package}_{module}".replace(".", "_")
             (folder / f"{name}.md").write_text(
                 f"# rumple.{package}.{module}\n\n```{{eval-rst}}\n.. automodule:: rumple.{package}.{module}\n```\n")
             lines.append(f"- [rumple.{package}.{module}]({name}.md)")

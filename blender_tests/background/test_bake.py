@@ -19,8 +19,8 @@ from rumple.blender import handlers, scheduler
 from rumple.blender.bake import clip, operators, playback
 from rumple.blender.frame import clip_status, first_pass
 from rumple.blender.objects import modifier, runtimes
-from rumple.core import clip_folder, clip_lock
-from rumple.core.frame_result import COMMON_ATTRIBUTES
+from rumple.core.files import clip_folder, clip_lock
+from rumple.core.mesh.frame_result import COMMON_ATTRIBUTES
 from support import sleeve, vanilla_blender
 
 ATTRIBUTES = tuple(attribute.name for attribute in COMMON_ATTRIBUTES)

@@ -13,7 +13,7 @@ import numpy as np
 from rumple.blender import compat, scheduler
 from rumple.blender.frame import clip_status
 from rumple.blender.objects import bodies, modifier, runtimes
-from rumple.core.body import Body
+from rumple.core.mesh.body import Body
 from support import sleeve, small_renders
 from support.worn_sleeve import Worn, outward, placed, posed, solved_body
 

@@ -22,7 +22,7 @@ from rumple.blender.bake import clip as clip_bake
 from rumple.blender.bake.playback import BakeError
 from rumple.blender.frame import clip_status
 from rumple.blender.objects import clip_place, modifier, runtimes
-from rumple.core import clip_file, clip_folder
+from rumple.core.files import clip_file, clip_folder
 from support import sleeve
 
 HEADER = 32

@@ -8,8 +8,8 @@ import bpy
 import numpy as np
 from rumple.blender import compat
 from rumple.blender.objects import mesh_reader, runtimes
-from rumple.core.settings import MeshSettings
-from rumple.core.wrinkle_mesh import WrinkleMesh
+from rumple.core.settings.system_settings import MeshSettings
+from rumple.core.systems.wrinkle_mesh import WrinkleMesh
 from support import sleeve
 
 LEVELS = 2

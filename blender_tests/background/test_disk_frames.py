@@ -14,7 +14,7 @@ import bpy
 import numpy as np
 from rumple.blender.frame import disk_frames
 from rumple.blender.objects import clip_place, properties, runtimes
-from rumple.core.kept_frames import KeptFrames
+from rumple.core.files.kept_frames import KeptFrames
 from support import sleeve
 
 LAST = 10

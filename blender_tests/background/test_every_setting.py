@@ -9,7 +9,7 @@ from typing import Any, Iterator
 
 import bpy
 from rumple.blender.objects import modifier, properties, runtimes
-from rumple.core.systems import SYSTEMS
+from rumple.core.systems.all_systems import SYSTEMS
 from support import sleeve
 
 

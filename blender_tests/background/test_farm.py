@@ -14,7 +14,7 @@ from unittest import mock
 import bpy
 from rumple.blender.farm import bake, command, commands, source
 from rumple.blender.objects import modifier
-from rumple.core import attached_files, clip_file, clip_folder
+from rumple.core.files import attached_files, clip_file, clip_folder
 from support import farm_scene, sleeve
 from support.farm_case import FRAMES, Case
 

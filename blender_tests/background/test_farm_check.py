@@ -92,7 +92,7 @@ class Check(farm_case.Case):
         taken = self.folder / "taken"
         taken.write_text("a file")
         self.assertIn("is no folder", self.kinds("--out", str(taken / "x"))["folder"])
-        with mock.patch("rumple.core.clip_folder.can_write", return_value=False):
+        with mock.patch("rumple.core.files.clip_folder.can_write", return_value=False):
             self.assertIn("nothing can be written", self.kinds()["folder"])
 
     def test_a_file_of_a_later_blender(self) -> None:

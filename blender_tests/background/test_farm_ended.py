@@ -10,9 +10,9 @@ from unittest import mock
 
 import bpy
 from rumple.blender.farm import bake, command, commands, source
-from rumple.core import clip_file, clip_lock
-from rumple.core.checkpoint import Checkpoint
-from rumple.core.clip_manifest import ClipFault
+from rumple.core.files import clip_file, clip_lock
+from rumple.core.files.checkpoint import Checkpoint
+from rumple.core.files.clip_manifest import ClipFault
 from support import farm_scene, sleeve
 from support.farm_case import FRAMES, Case
 
@@ -185,7 +185,7 @@ class Ended(Case):
         def end(clip: object) -> None:
             if next(steps, None) is None:
                 raise KeyboardInterrupt  # not by a signal: nothing is written at the end
-        with mock.patch("rumple.core.clip_lock.Lock.touch", end), \
+        with mock.patch("rumple.core.files.clip_lock.Lock.touch", end), \
                 mock.patch.object(bake.FarmBake, "stop", lambda running: running.partial.keep()):
             self.assertRaises(KeyboardInterrupt, self.run_command, "bake", "--checkpoint", "0", "--object",
                               farm_scene.INNER)

@@ -9,7 +9,7 @@ from unittest import mock
 
 import bpy
 from rumple.blender.farm import bake, commands, pieces, source
-from rumple.core import clip_file
+from rumple.core.files import clip_file
 from support import farm_scene, sleeve
 from support.farm_case import FRAMES, Case
 
@@ -167,7 +167,7 @@ class Pieces(Case):
         def end(lock: object) -> None:
             if next(steps, None) is None:
                 raise KeyboardInterrupt
-        with mock.patch("rumple.core.clip_lock.Lock.touch", end), \
+        with mock.patch("rumple.core.files.clip_lock.Lock.touch", end), \
                 mock.patch.object(bake.FarmBake, "stop", lambda running: running.partial.keep()):
             self.assertRaises(KeyboardInterrupt, self.run_command, "bake", "--checkpoint", "0", "--object", INNER,
                               "--piece", "2/2", *words)

@@ -14,8 +14,8 @@ from typing import Any
 import bpy
 import numpy as np
 from rumple.blender.farm import bake, commands, poses, source
-from rumple.core import clip_folder, pose_set
-from rumple.core.clip_manifest import ClipFault
+from rumple.core.files import clip_folder, pose_set
+from rumple.core.files.clip_manifest import ClipFault
 from support import farm_case, farm_scene
 
 NAME = farm_scene.FREE

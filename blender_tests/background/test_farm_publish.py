@@ -9,7 +9,7 @@ from unittest import mock
 
 import bpy
 from rumple.blender.farm import alembic, commands, poses, verify
-from rumple.core import usd_text
+from rumple.core.files import usd_text
 from support import farm_case, farm_scene
 
 

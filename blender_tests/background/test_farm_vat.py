@@ -12,8 +12,8 @@ import bpy
 import numpy as np
 from rumple.blender import compat
 from rumple.blender.farm import commands, images
-from rumple.core import clip_file, clip_folder, clip_partial, vat
-from rumple.core.clip_manifest import ClipFault
+from rumple.core.files import clip_file, clip_folder, clip_partial, vat
+from rumple.core.files.clip_manifest import ClipFault
 from support import farm_case, farm_scene, textures
 
 MOST = 2e-4  # metres

@@ -10,8 +10,8 @@ import numpy as np
 from mathutils import Matrix, Vector, noise
 from rumple.blender.objects import wind
 from rumple.blender.ui import panels
-from rumple.core.cloth import FIELD
-from rumple.core.surroundings import Surroundings
+from rumple.core.cloth.base_cloth import FIELD
+from rumple.core.cloth.surroundings import Surroundings
 from support import sleeve
 from support.cloth_scenes import Cloth, difference, garment, pictures, played
 

@@ -13,9 +13,9 @@ from rumple.blender import ui_base
 from rumple.blender.nodes import field_shader
 from rumple.blender.objects import building, evaluator, properties, runtimes
 from rumple.blender.ui import menus, panels
-from rumple.core.settings import MeshSettings
-from rumple.core.systems import SYSTEMS
-from rumple.core.wrinkle_mesh import WrinkleMesh
+from rumple.core.settings.system_settings import MeshSettings
+from rumple.core.systems.all_systems import SYSTEMS
+from rumple.core.systems.wrinkle_mesh import WrinkleMesh
 from rumple.native.library import Stopped
 from support import sleeve
 from support.registered import own_classes

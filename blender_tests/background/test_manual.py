@@ -13,7 +13,7 @@ from unittest import mock
 
 import bpy
 from rumple.blender import manual
-from rumple.core import guide
+from rumple.core.settings import guide
 from support.registered import own_classes, own_properties
 
 _BY_HAND = {"name"}  # of every PropertyGroup: Blender's

@@ -12,7 +12,7 @@ import bpy
 import numpy as np
 from rumple.blender import compat
 from rumple.blender.maps import hidden_meshes as maps_meshes, modifier as maps_modifier
-from rumple.core import poses_json
+from rumple.core.systems import poses_json
 from support import face, keyed_face, sleeve
 from test_maps_bake import everything, texels
 

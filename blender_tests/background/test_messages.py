@@ -14,8 +14,8 @@ from rumple.blender.frame import clip_status
 from rumple.blender.maps import overlay
 from rumple.blender.objects import modifier, runtimes, stack_notes
 from rumple.blender.viewport.draw_handler import DrawHandler
-from rumple.core import engine
-from rumple.core.systems import SYSTEMS
+from rumple.core.frame import engine
+from rumple.core.systems.all_systems import SYSTEMS
 from support import sleeve
 
 

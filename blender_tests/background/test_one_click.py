@@ -17,7 +17,7 @@ from rumple.blender import compat, scheduler
 from rumple.blender.objects import (cloth_defaults, mesh_reader, modifier, painted_maps, properties, runtimes,
                                     stack_notes)
 from rumple.blender.ui import operators
-from rumple.core.hangs_free import FREE
+from rumple.core.paint.hangs_free import FREE
 from rumple.native import kernels
 from support import face, sleeve
 

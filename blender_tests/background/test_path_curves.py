@@ -15,9 +15,9 @@ from rumple.blender.bake import clip as clip_bake
 from rumple.blender.frame import clip_status, path_curves
 from rumple.blender.nodes import path_curves_tree
 from rumple.blender.objects import modifier, runtimes
-from rumple.core import clip_file
-from rumple.core import curve_rows
-from rumple.core.clip_manifest import ClipFault
+from rumple.core.files import clip_file
+from rumple.core.files.clip_manifest import ClipFault
+from rumple.core.systems import curve_rows
 from support import curve_edges, sleeve, small_renders, vanilla_blender
 
 

@@ -7,7 +7,7 @@ import unittest
 import bpy
 import numpy as np
 from rumple.blender.objects import properties, runtimes
-from rumple.core.presets import MESH_PRESETS
+from rumple.core.settings.presets import MESH_PRESETS
 from support import sleeve
 
 

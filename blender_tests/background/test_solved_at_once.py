@@ -12,8 +12,9 @@ import bpy
 import numpy as np
 from rumple.blender.frame import garment_frame
 from rumple.blender.objects import bodies, modifier, runtimes
-from rumple.core import at_once, engine
-from rumple.core.engine import UserError
+from rumple.core.base import at_once
+from rumple.core.frame import engine
+from rumple.core.frame.engine import UserError
 from support import sleeve
 from support.cloth_scenes import hang
 
@@ -150,7 +151,7 @@ class AtOnce(unittest.TestCase):
         self.addCleanup(threading.setprofile, None)
         with on(8):
             self.played()
-        self.assertIn("rumple.core.engine", called)
+        self.assertIn("rumple.core.frame.engine", called)
         self.assertEqual({name for name in called if name.startswith(("rumple.blender", "bpy"))},
                          {"rumple.blender.frame.garment_frame"})
 

@@ -13,7 +13,7 @@ import bpy
 import numpy as np
 from rumple.blender.frame import clip_status
 from rumple.blender.objects import modifier, runtimes, stack_notes
-from rumple.core import clip_file
+from rumple.core.files import clip_file
 from support import sleeve
 
 JUMPED = "reached by a jump"

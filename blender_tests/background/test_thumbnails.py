@@ -10,7 +10,7 @@ from unittest import mock
 import bpy
 from rumple.blender.objects import properties
 from rumple.blender.ui import thumbnails
-from rumple.core.systems import SYSTEMS
+from rumple.core.systems.all_systems import SYSTEMS
 from support import sleeve
 
 MOST_BYTES = 10_000

@@ -8,7 +8,7 @@ import subprocess
 from pathlib import Path
 
 import numpy as np
-from rumple.core import clip_file, clip_partial
+from rumple.core.files import clip_file, clip_partial
 from test_queues import ROOT, RUMPLE, Case, said_by
 
 READER = ROOT / "blender_tests" / "support" / "read_usd.mjs"

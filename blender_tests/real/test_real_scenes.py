@@ -14,7 +14,7 @@ from dataclasses import asdict
 import bpy
 import numpy as np
 from rumple.blender.objects import modifier
-from rumple.core import wrinkle_mesh
+from rumple.core.systems import wrinkle_mesh
 from support.one_blender import in_one_blender, long_one
 from support.real_clip import Clip, Seen, digest
 from support.real_garment import OUT, EveryFrame

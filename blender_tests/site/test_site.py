@@ -106,7 +106,7 @@ class Site(unittest.TestCase):
         self.assertEqual(site_check.dead_links(self.pages, self.server.address, SITE), [])
 
     def test_the_add_on_knows_the_anchors_of_the_guide(self) -> None:
-        guide = runpy.run_path(str(Path(__file__).resolve().parents[2] / "addon" / "rumple" / "core" / "guide.py"))
+        guide = runpy.run_path(str(Path(__file__).resolve().parents[2] / "addon/rumple/core/settings/guide.py"))
         page = (SITE / guide["PAGE"]).read_text(encoding="utf-8")
         for anchor in guide["anchors"]():
             self.assertIn(f'<section id="{anchor}">', page)

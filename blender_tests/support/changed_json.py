@@ -6,8 +6,8 @@ import json
 import unittest
 from typing import Any, Iterable
 
-from rumple.core import poses_json
-from rumple.core.engine import UserError
+from rumple.core.frame.engine import UserError
+from rumple.core.systems import poses_json
 
 
 def taken(case: unittest.TestCase, good: str, changes: Iterable[tuple[str, Any]]) -> set[tuple[str, str]]:

@@ -11,7 +11,7 @@ import unittest
 from pathlib import Path
 
 from rumple.blender.farm import command
-from rumple.core import clip_folder
+from rumple.core.files import clip_folder
 from support import farm_scene
 
 FRAMES = 8

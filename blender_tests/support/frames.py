@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from rumple.core.engine import FrameResult, PreviewFrame, Wrinkles
-from rumple.core.frame_input import FrameRequest
+from rumple.core.frame.engine import FrameResult, PreviewFrame, Wrinkles
+from rumple.core.frame.frame_input import FrameRequest
 
 
 def solve_frame(wrinkles: Wrinkles, frame: float, positions: np.ndarray, settings: Any, paint: dict[str, np.ndarray],

@@ -10,7 +10,7 @@ import numpy as np
 from rumple.blender import scheduler
 from rumple.blender.frame import path_curves
 from rumple.blender.objects import bodies, mesh_reader, modifier, properties, runtimes
-from rumple.core import engine
+from rumple.core.frame import engine
 from support import curve_edges, sleeve
 from support.random_walk import MOST_OBJECTS, RandomWalk
 

@@ -6,7 +6,7 @@ from typing import Any
 
 import bpy
 import numpy as np
-from rumple.core.shape_keys import weights_of_key
+from rumple.core.systems.shape_keys import weights_of_key
 from support import face, sleeve
 
 UP = dict(brow_L=0.01, brow_R=0.01, jaw=-0.02, frown=-0.006)  # metres along z, where a key moves most

@@ -10,7 +10,7 @@ from rumple.blender import compat, scheduler
 from rumple.blender.maps import modifier as maps_modifier, rig as maps_rig
 from rumple.blender.nodes import maps_mask_tree
 from rumple.blender.objects import modifier, properties
-from rumple.core.poses import PoseComparison, strengths
+from rumple.core.systems.poses import PoseComparison, strengths
 from support import face, keyed_face, sleeve
 from support.random_walk import RandomWalk
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from rumple.core.engine import BaseMesh
+from rumple.core.frame.engine import BaseMesh
 
 
 def sheet(columns: int, rows: int, size: float = 1.0) -> BaseMesh:

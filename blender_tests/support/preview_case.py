@@ -10,7 +10,7 @@ import numpy as np
 import rumple_native as native
 from rumple.blender.objects import runtimes
 from rumple.blender.viewport import preview
-from rumple.core.frame_result import FrameResult
+from rumple.core.mesh.frame_result import FrameResult
 from support import gpu_waves, sleeve
 from support.frames import solve_frame
 from support.window_case import WindowCase

@@ -9,7 +9,7 @@ import bpy
 import numpy as np
 from rumple.blender import compat
 from rumple.blender.objects import properties, runtimes
-from rumple.core import engine
+from rumple.core.frame import engine
 
 from .real_garment import DATA
 

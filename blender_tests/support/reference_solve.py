@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What a frame has to look like, solved apart from Blender's handlers, modifier and output object.
 
-A twin of the coarse mesh without wrinkles says how it is posed; core/engine.py, with a memory of its own,
+A twin of the coarse mesh without wrinkles says how it is posed; core/frame/engine.py, with a memory of its own,
 solves that; an ordinary mesh object shows it. Whatever the add-on does late, twice or not at all shows as a
 difference between pictures of the two.
 """
@@ -13,7 +13,8 @@ import bpy
 import numpy as np
 from rumple.blender import compat
 from rumple.blender.objects import mesh_reader, modifier, properties
-from rumple.core import engine, wrinkle_mesh
+from rumple.core.frame import engine
+from rumple.core.systems import wrinkle_mesh
 from support import sleeve, small_renders
 from support.frames import solve_frame
 

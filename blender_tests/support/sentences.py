@@ -7,7 +7,7 @@ import re
 from pathlib import Path
 from typing import Iterator
 
-from rumple.core import wording
+from rumple.core.base import wording
 
 _SAYING = frozenset(("UserError", "BakeError", "NativeMissing", "draw_message", "draw_note"))
 _REFUSING = frozenset(("ValueError", "CannotGoOn"))  # an argument, or a file of the add-on's own: not said to artists

@@ -5,9 +5,9 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from rumple.core.base_mesh import BaseMesh
-from rumple.core.engine import FrameResult, Wrinkles
-from rumple.core.wrinkle_mesh import WrinkleMesh
+from rumple.core.frame.engine import FrameResult, Wrinkles
+from rumple.core.mesh.base_mesh import BaseMesh
+from rumple.core.systems.wrinkle_mesh import WrinkleMesh
 from support.frames import solve_frame
 from support.meshes import quad_mesh
 

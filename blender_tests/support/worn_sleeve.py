@@ -7,7 +7,7 @@ import unittest
 import bpy
 import numpy as np
 from rumple.blender.objects import runtimes
-from rumple.core.body import Body
+from rumple.core.mesh.body import Body
 from support import sleeve
 
 

@@ -18,7 +18,7 @@ from mathutils import Vector
 from rumple.blender.brush import overlay
 from rumple.blender.objects import modifier, runtimes
 from rumple.blender.ui import examples, held_mouse
-from rumple.core.wrinkle_mesh import WrinkleMesh
+from rumple.core.systems.wrinkle_mesh import WrinkleMesh
 from support import sleeve
 from support.artist import Artist
 

@@ -9,9 +9,9 @@ import numpy as np
 from mathutils import Matrix
 from rumple import native
 from rumple.blender.viewport import glsl, gpu_arrays, preview, preview_paths
-from rumple.core import engine
-from rumple.core.settings import PathsSettings
-from rumple.core.wrinkle_paths import WrinklePaths
+from rumple.core.frame import engine
+from rumple.core.settings.system_settings import PathsSettings
+from rumple.core.systems.wrinkle_paths import WrinklePaths
 from support.frames import solve_frame
 from support.window_case import WindowCase
 

@@ -11,7 +11,7 @@ import numpy as np
 from rumple.blender import handlers
 from rumple.blender.objects import modifier, runtimes
 from rumple.blender.viewport import preview, preview_paths
-from rumple.core.wrinkle_paths import WrinklePaths
+from rumple.core.systems.wrinkle_paths import WrinklePaths
 from support import sleeve, small_renders
 from support.preview_case import PreviewCase, smooth
 

@@ -13,7 +13,7 @@ from mathutils import Matrix
 from rumple.blender.objects import modifier, runtimes
 from rumple.blender.ui import panels
 from rumple.blender.viewport import gpu_arrays, preview, preview_field
-from rumple.core.wrinkle_field import PHASE, U_GRADIENT, V_GRADIENT, VECTORS, WEIGHT
+from rumple.core.systems.wrinkle_field import PHASE, U_GRADIENT, V_GRADIENT, VECTORS, WEIGHT
 from support import gpu_waves, sleeve, small_renders
 from support.preview_case import PreviewCase, smooth
 

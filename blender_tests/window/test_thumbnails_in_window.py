@@ -6,7 +6,7 @@ from typing import Iterator
 
 import bpy
 from rumple.blender.ui import thumbnails
-from rumple.core.systems import SYSTEMS
+from rumple.core.systems.all_systems import SYSTEMS
 from support import sleeve
 from support.window_case import WindowCase
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Iterator
 
 from rumple.blender.objects import output_mesh, runtimes
-from rumple.core.wrinkle_field import WrinkleField
+from rumple.core.systems.wrinkle_field import WrinkleField
 from support import sleeve
 from support.preview_case import PreviewCase
 

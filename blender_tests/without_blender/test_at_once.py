@@ -8,12 +8,12 @@ from typing import Any
 from unittest import mock
 
 import numpy as np
-from rumple.core import at_once
-from rumple.core.at_once import call_at_once
-from rumple.core.engine import FrameResult, UserError, Wrinkles
-from rumple.core.frame_input import FrameRequest
-from rumple.core.settings import FieldSettings, MeshSettings, PathsSettings
-from rumple.core.systems import SYSTEMS
+from rumple.core.base import at_once
+from rumple.core.base.at_once import call_at_once
+from rumple.core.frame.engine import FrameResult, UserError, Wrinkles
+from rumple.core.frame.frame_input import FrameRequest
+from rumple.core.settings.system_settings import FieldSettings, MeshSettings, PathsSettings
+from rumple.core.systems.all_systems import SYSTEMS
 from support.frames import solve_frame
 from support.meshes import compressed, tube
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import unittest
 
 import numpy as np
-from rumple.core.body import facing_outwards, is_nearly_closed, side
+from rumple.core.mesh.body import facing_outwards, is_nearly_closed, side
 
 AROUND = 24
 

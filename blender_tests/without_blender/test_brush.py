@@ -6,11 +6,11 @@ import math
 import unittest
 
 import numpy as np
-from rumple.core.base_mesh import BaseMesh
-from rumple.core.brush import LEAST_SPACING, Easel, Hand
-from rumple.core.engine import UserError
-from rumple.core.settings import FieldSettings
-from rumple.core.wrinkle_field import WrinkleField
+from rumple.core.frame.engine import UserError
+from rumple.core.mesh.base_mesh import BaseMesh
+from rumple.core.settings.system_settings import FieldSettings
+from rumple.core.systems.brush import LEAST_SPACING, Easel, Hand
+from rumple.core.systems.wrinkle_field import WrinkleField
 from support.meshes import rotated, sheet, tube
 
 ABOVE = dict(normal=(0.0, 0.0, 1.0), view=(0.0, 0.0, -1.0))

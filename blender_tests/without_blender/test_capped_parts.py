@@ -6,11 +6,11 @@ import unittest
 from dataclasses import replace
 
 import numpy as np
-from rumple.core.base_mesh import BaseMesh
-from rumple.core.capped_parts import winding
-from rumple.core.cloth_surface import without_rigid_parts
-from rumple.core.rigid_parts import RigidParts
-from rumple.core.settings import MeshSettings
+from rumple.core.mesh.base_mesh import BaseMesh
+from rumple.core.mesh.rigid_parts import RigidParts
+from rumple.core.parts.capped_parts import winding
+from rumple.core.parts.cloth_surface import without_rigid_parts
+from rumple.core.settings.system_settings import MeshSettings
 from support.meshes import quad_mesh, tube
 from support.solved_meshes import box, distances, leant, solved, together
 

@@ -11,12 +11,12 @@ from typing import Any
 from unittest import mock
 
 import numpy as np
-from rumple.core.body import Body
-from rumple.core.checkpoint import CannotGoOn, Checkpoint, carry_frames
-from rumple.core.engine import FrameResult, Wrinkles
-from rumple.core.settings import FieldSettings, MeshSettings, PathsSettings
-from rumple.core.surroundings import Field, Surroundings
-from rumple.core.systems import SYSTEMS
+from rumple.core.cloth.surroundings import Field, Surroundings
+from rumple.core.files.checkpoint import CannotGoOn, Checkpoint, carry_frames
+from rumple.core.frame.engine import FrameResult, Wrinkles
+from rumple.core.mesh.body import Body
+from rumple.core.settings.system_settings import FieldSettings, MeshSettings, PathsSettings
+from rumple.core.systems.all_systems import SYSTEMS
 from support.frames import solve_frame
 from support.meshes import tube
 

@@ -18,8 +18,8 @@ from typing import Any
 
 import numpy as np
 
-from rumple.core import clip_file, clip_folder, clip_manifest
-from rumple.core.clip_manifest import ClipFault, Manifest
+from rumple.core.files import clip_file, clip_folder, clip_manifest
+from rumple.core.files.clip_manifest import ClipFault, Manifest
 
 POINTS, SAMPLES = 7, 5
 

@@ -15,9 +15,9 @@ from pathlib import Path
 from typing import Any, Iterator
 from unittest import mock
 
-from rumple.core import clip_folder, clip_lock
-from rumple.core.clip_lock import Held, Holder, Lock
-from rumple.core.clip_manifest import ClipFault
+from rumple.core.files import clip_folder, clip_lock
+from rumple.core.files.clip_lock import Held, Holder, Lock
+from rumple.core.files.clip_manifest import ClipFault
 
 
 class Kernel:

@@ -13,10 +13,10 @@ from unittest import mock
 
 import numpy as np
 
-from rumple.core.checkpoint import Checkpoint
-from rumple.core.clip_manifest import Manifest
-from rumple.core.clip_partial import PartialWriter
-from rumple.core.frame_result import FrameResult
+from rumple.core.files.checkpoint import Checkpoint
+from rumple.core.files.clip_manifest import Manifest
+from rumple.core.files.clip_partial import PartialWriter
+from rumple.core.mesh.frame_result import FrameResult
 
 POINTS, SAMPLES, MADE_BY = 7, 6, "this"
 

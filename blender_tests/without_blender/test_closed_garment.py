@@ -6,8 +6,8 @@ import unittest
 from dataclasses import replace
 
 import numpy as np
-from rumple.core.base_mesh import BaseMesh
-from rumple.core.closed_garment import bends, is_closed_garment
+from rumple.core.mesh.base_mesh import BaseMesh
+from rumple.core.parts.closed_garment import bends, is_closed_garment
 from support.meshes import quad_mesh, tube
 
 UP = np.array((0.0, 0.0, 1.0))

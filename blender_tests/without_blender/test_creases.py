@@ -7,11 +7,11 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-from rumple.core.base_mesh import BaseMesh
-from rumple.core.settings import FieldSettings, MeshSettings, PathsSettings
-from rumple.core.wrinkle_field import WrinkleField
-from rumple.core.wrinkle_mesh import WrinkleMesh
-from rumple.core.wrinkle_paths import WrinklePaths
+from rumple.core.mesh.base_mesh import BaseMesh
+from rumple.core.settings.system_settings import FieldSettings, MeshSettings, PathsSettings
+from rumple.core.systems.wrinkle_field import WrinkleField
+from rumple.core.systems.wrinkle_mesh import WrinkleMesh
+from rumple.core.systems.wrinkle_paths import WrinklePaths
 from support.frames import solve_frame
 from support.meshes import quad_mesh, rotated, tube
 

@@ -19,10 +19,10 @@ if str(SCRIPTS) not in sys.path:
 import demo_body  # noqa: E402
 import demo_shirt  # noqa: E402
 import demo_trousers  # noqa: E402
-from rumple.core.base_mesh import BaseMesh  # noqa: E402
-from rumple.core.body import Body  # noqa: E402
-from rumple.core.settings import MeshSettings  # noqa: E402
-from rumple.core.wrinkle_mesh import WrinkleMesh, cloth_defaults  # noqa: E402
+from rumple.core.mesh.base_mesh import BaseMesh  # noqa: E402
+from rumple.core.mesh.body import Body  # noqa: E402
+from rumple.core.settings.system_settings import MeshSettings  # noqa: E402
+from rumple.core.systems.wrinkle_mesh import WrinkleMesh, cloth_defaults  # noqa: E402
 from support.frames import solve_frame  # noqa: E402
 
 

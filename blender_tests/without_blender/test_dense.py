@@ -7,10 +7,10 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-from rumple.core.base_mesh import BaseMesh
-from rumple.core.body import Body
-from rumple.core.settings import MeshSettings
-from rumple.core.wrinkle_mesh import WrinkleMesh, cloth_defaults, coarse_mesh
+from rumple.core.mesh.base_mesh import BaseMesh
+from rumple.core.mesh.body import Body
+from rumple.core.settings.system_settings import MeshSettings
+from rumple.core.systems.wrinkle_mesh import WrinkleMesh, cloth_defaults, coarse_mesh
 from support.frames import solve_frame
 from support.meshes import tube
 

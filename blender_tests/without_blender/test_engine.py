@@ -8,14 +8,14 @@ from typing import Any
 from unittest import mock
 
 import numpy as np
-from rumple.core import frame_cache
-from rumple.core.base_mesh import BaseMesh
-from rumple.core.body import Body
-from rumple.core.engine import UserError
-from rumple.core.frame_cache import CachedFrame, FrameCache
-from rumple.core.presets import MESH_PRESETS
-from rumple.core.settings import MeshSettings
-from rumple.core.wrinkle_mesh import WrinkleMesh, level_for, suggested_wavelength, wavelength_of
+from rumple.core.frame import frame_cache
+from rumple.core.frame.engine import UserError
+from rumple.core.frame.frame_cache import CachedFrame, FrameCache
+from rumple.core.mesh.base_mesh import BaseMesh
+from rumple.core.mesh.body import Body
+from rumple.core.settings.presets import MESH_PRESETS
+from rumple.core.settings.system_settings import MeshSettings
+from rumple.core.systems.wrinkle_mesh import WrinkleMesh, level_for, suggested_wavelength, wavelength_of
 from support.frames import solve_frame
 from support.meshes import compressed, quad_mesh, rotated, sheet, tube
 

@@ -6,13 +6,13 @@ import unittest
 from dataclasses import replace
 
 import numpy as np
-from rumple.core.cloth import BaseCloth, stiffness_over_cotton
-from rumple.core.cloth_settings import ClothSettings
-from rumple.core.fabrics import COTTON, FABRICS, GRAVITY
-from rumple.core.layers import FINEST_HEM, layer_settings
-from rumple.core.presets import MESH_PRESETS, PATHS_PRESETS
-from rumple.core.settings import MeshSettings
-from rumple.core.wrinkle_mesh import WrinkleMesh, halvings, layers_for, wavelength_of
+from rumple.core.cloth.base_cloth import BaseCloth, stiffness_over_cotton
+from rumple.core.cloth.layers import FINEST_HEM, layer_settings
+from rumple.core.settings.cloth_settings import ClothSettings
+from rumple.core.settings.fabrics import COTTON, FABRICS, GRAVITY
+from rumple.core.settings.presets import MESH_PRESETS, PATHS_PRESETS
+from rumple.core.settings.system_settings import MeshSettings
+from rumple.core.systems.wrinkle_mesh import WrinkleMesh, halvings, layers_for, wavelength_of
 from support.frames import solve_frame
 from support.meshes import compressed, tube
 

@@ -6,10 +6,10 @@ import unittest
 from dataclasses import replace
 
 import numpy as np
-from rumple.core.base_mesh import BaseMesh
-from rumple.core.flared import is_flared, is_sheet
-from rumple.core.hangs_free import share_of_sheet
-from rumple.core.wrinkle_mesh import CLOTH_WAVELENGTH, SHEET_WAVELENGTH, SKIRT_WAVELENGTH, cloth_defaults
+from rumple.core.mesh.base_mesh import BaseMesh
+from rumple.core.paint.hangs_free import share_of_sheet
+from rumple.core.parts.flared import is_flared, is_sheet
+from rumple.core.systems.wrinkle_mesh import CLOTH_WAVELENGTH, SHEET_WAVELENGTH, SKIRT_WAVELENGTH, cloth_defaults
 from support.meshes import quad_mesh, tube
 
 UPRIGHT = np.eye(3)

@@ -8,8 +8,8 @@ from types import SimpleNamespace
 from unittest import mock
 
 import numpy as np
-from rumple.core.frame_cache import CachedFrame, FrameCache
-from rumple.core.wrinkle_mesh import WrinkleMesh
+from rumple.core.frame.frame_cache import CachedFrame, FrameCache
+from rumple.core.systems.wrinkle_mesh import WrinkleMesh
 from test_engine import FRAMES, SETTINGS, clip
 from support.frames import solve_frame
 from support.meshes import tube

@@ -5,12 +5,12 @@ from __future__ import annotations
 import unittest
 
 import numpy as np
-from rumple.core import hangs_free
-from rumple.core.cloth_settings import ClothSettings
-from rumple.core.hangs_free import FREE
-from rumple.core.settings import MeshSettings
-from rumple.core.triangles import at_border
-from rumple.core.wrinkle_mesh import WrinkleMesh
+from rumple.core.base.triangles import at_border
+from rumple.core.paint import hangs_free
+from rumple.core.paint.hangs_free import FREE
+from rumple.core.settings.cloth_settings import ClothSettings
+from rumple.core.settings.system_settings import MeshSettings
+from rumple.core.systems.wrinkle_mesh import WrinkleMesh
 from support.frames import solve_frame
 from support.meshes import compressed, tube
 

@@ -6,13 +6,13 @@ import unittest
 from dataclasses import replace
 
 import numpy as np
-from rumple.core.base_mesh import BaseMesh, built_once
-from rumple.core.brush import Easel
-from rumple.core.engine import Wrinkles
-from rumple.core.settings import FieldSettings, MeshSettings, PathsSettings
-from rumple.core.wrinkle_field import WrinkleField
-from rumple.core.wrinkle_mesh import WrinkleMesh, cloth_defaults
-from rumple.core.wrinkle_paths import WrinklePaths
+from rumple.core.frame.engine import Wrinkles
+from rumple.core.mesh.base_mesh import BaseMesh, built_once
+from rumple.core.settings.system_settings import FieldSettings, MeshSettings, PathsSettings
+from rumple.core.systems.brush import Easel
+from rumple.core.systems.wrinkle_field import WrinkleField
+from rumple.core.systems.wrinkle_mesh import WrinkleMesh, cloth_defaults
+from rumple.core.systems.wrinkle_paths import WrinklePaths
 from support.frames import solve_frame
 from support.meshes import compressed, quad_mesh, tube
 

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Python imports run one way: native, core, blender, and within blender from folder to folder. No circle anywhere.
-C++ includes run one way, too, from folder to folder of native/."""
+"""Python imports run one way: native, core, blender, and within core and blender from folder to folder. No circle
+anywhere. C++ includes run one way, too, from folder to folder of native/."""
 from __future__ import annotations
 
 import tempfile
@@ -13,6 +13,7 @@ ROOT = Path(__file__).resolve().parents[2]
 ADDON = ROOT / "addon" / "rumple"
 # Lowest first. A file or folder imports itself and what stands before it. __init__.py imports any.
 LAYERS = ["native", "core", "blender"]
+CORE = ["base", "settings", "mesh", "parts", "paint", "cloth", "frame", "systems", "files"]
 BLENDER = ["compat", "manual", "translation", "scheduler", "nodes", "objects", "viewport", "frame", "ui_base", "maps",
            "brush", "bake", "farm", "ui", "handlers"]
 # Folders of native/, lowest first, in the same way. The systems stand side by side: none includes another.
@@ -26,6 +27,9 @@ HOST = {"bpy", "bmesh", "mathutils", "gpu", "gpu_extras", "bl_ui", "bpy_extras",
 class Order(unittest.TestCase):
     def test_layers_import_only_what_stands_below(self) -> None:
         self.assertEqual(imports.wrong_order(ADDON, LAYERS), [])
+
+    def test_folders_of_the_core_import_only_what_stands_below(self) -> None:
+        self.assertEqual(imports.wrong_order(ADDON / "core", CORE), [])
 
     def test_folders_of_the_blender_layer_import_only_what_stands_below(self) -> None:
         self.assertEqual(imports.wrong_order(ADDON / "blender", BLENDER), [])

@@ -7,12 +7,12 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-from rumple.core.keep_smooth import SMOOTH, share_of_folds
-from rumple.core.settings import FieldSettings, MeshSettings, PathsSettings
-from rumple.core.triangles import on_shown
-from rumple.core.wrinkle_field import WEIGHT, WrinkleField
-from rumple.core.wrinkle_mesh import WrinkleMesh
-from rumple.core.wrinkle_paths import WrinklePaths
+from rumple.core.base.triangles import on_shown
+from rumple.core.paint.keep_smooth import SMOOTH, share_of_folds
+from rumple.core.settings.system_settings import FieldSettings, MeshSettings, PathsSettings
+from rumple.core.systems.wrinkle_field import WEIGHT, WrinkleField
+from rumple.core.systems.wrinkle_mesh import WrinkleMesh
+from rumple.core.systems.wrinkle_paths import WrinklePaths
 from support.frames import solve_frame
 from support.meshes import compressed, tube
 

@@ -9,12 +9,12 @@ from unittest import mock
 
 import numpy as np
 from rumple import native
-from rumple.core.body import Body
-from rumple.core.cloth import HANGING, BaseCloth, bend_radius
-from rumple.core.cloth_settings import ClothSettings
-from rumple.core.engine import FrameResult, Wrinkles
-from rumple.core.settings import FieldSettings, PathsSettings
-from rumple.core.systems import SYSTEMS
+from rumple.core.cloth.base_cloth import HANGING, BaseCloth, bend_radius
+from rumple.core.frame.engine import FrameResult, Wrinkles
+from rumple.core.mesh.body import Body
+from rumple.core.settings.cloth_settings import ClothSettings
+from rumple.core.settings.system_settings import FieldSettings, PathsSettings
+from rumple.core.systems.all_systems import SYSTEMS
 from support.frames import solve_frame
 from support.meshes import rotated, tube
 
@@ -27,7 +27,7 @@ KINDS = {"FIELD": FIELD, "SHADED": SHADED, "PATHS": PATHS, "DRAPED": replace(FIE
          "DRAPED PATHS": replace(PATHS, drape=1.0)}
 WEIGHTLESS = dict(gravity=0.0, slack=1.0)
 # Only cloth has no folds along lines that bend: without that, the laws below hold to the bit.
-ALONG_ANY_LINE = mock.patch("rumple.core.cloth.LEAST_BEND", 0.0)
+ALONG_ANY_LINE = mock.patch("rumple.core.cloth.base_cloth.LEAST_BEND", 0.0)
 
 
 def on_cloth(settings: Any, **values: Any) -> Any:

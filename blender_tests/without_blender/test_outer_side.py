@@ -7,11 +7,11 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-from rumple.core import outer_side
-from rumple.core.base_mesh import BaseMesh
-from rumple.core.body import Body
-from rumple.core.settings import MeshSettings
-from rumple.core.wrinkle_mesh import WrinkleMesh, cloth_defaults, suits_cloth
+from rumple.core.mesh import outer_side
+from rumple.core.mesh.base_mesh import BaseMesh
+from rumple.core.mesh.body import Body
+from rumple.core.settings.system_settings import MeshSettings
+from rumple.core.systems.wrinkle_mesh import WrinkleMesh, cloth_defaults, suits_cloth
 from support.frames import solve_frame
 from support.meshes import quad_mesh, tube
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import unittest
 
 import numpy as np
-from rumple.core import paint_maps
+from rumple.core.paint import paint_maps
 
 
 def sheet(across: int, up: int, cell: float = 0.1) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

@@ -7,8 +7,8 @@ import math
 import unittest
 
 import numpy as np
-from rumple.core.settings import FieldSettings
-from rumple.core.wrinkle_field import WrinkleField
+from rumple.core.settings.system_settings import FieldSettings
+from rumple.core.systems.wrinkle_field import WrinkleField
 from support.frames import solve_frame
 from support.meshes import compressed, sheet, tube
 

@@ -17,7 +17,7 @@ import unittest
 from pathlib import Path
 from unittest import mock
 
-from rumple.core import clip_folder
+from rumple.core.files import clip_folder
 from rumple.native import library, platforms
 from rumple.native.library import Library, lib
 

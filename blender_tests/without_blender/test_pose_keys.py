@@ -6,10 +6,10 @@ import json
 import unittest
 
 import numpy as np
-from rumple.core import poses_json
-from rumple.core.engine import UserError
-from rumple.core.poses import PoseComparison, PoseRig, ReferencePose, SkinWeights, TrackedBone, TrackedKey
-from rumple.core.shape_keys import STILL, weights_of_key, with_keys
+from rumple.core.frame.engine import UserError
+from rumple.core.systems import poses_json
+from rumple.core.systems.poses import PoseComparison, PoseRig, ReferencePose, SkinWeights, TrackedBone, TrackedKey
+from rumple.core.systems.shape_keys import STILL, weights_of_key, with_keys
 from support import changed_json
 
 NAMES = ("brow.L", "brow.R", "jaw", "snarl")

@@ -8,11 +8,11 @@ from typing import Any, Iterator
 
 import numpy as np
 import rumple_native as native
-from rumple.core.engine import FrameResult, Wrinkles
-from rumple.core.settings import FieldSettings, MeshSettings, PathsSettings, reference_settings
-from rumple.core.wrinkle_field import WrinkleField
-from rumple.core.wrinkle_mesh import WrinkleMesh
-from rumple.core.wrinkle_paths import WrinklePaths
+from rumple.core.frame.engine import FrameResult, Wrinkles
+from rumple.core.settings.system_settings import FieldSettings, MeshSettings, PathsSettings, reference_settings
+from rumple.core.systems.wrinkle_field import WrinkleField
+from rumple.core.systems.wrinkle_mesh import WrinkleMesh
+from rumple.core.systems.wrinkle_paths import WrinklePaths
 from support.frames import solve_frame
 from support.meshes import compressed, tube
 

@@ -6,13 +6,13 @@ import unittest
 from dataclasses import replace
 
 import numpy as np
-from rumple.core.base_mesh import BaseMesh
-from rumple.core.cloth_surface import without_rigid_parts
-from rumple.core.connected import lowest_connected
-from rumple.core.settings import FieldSettings, MeshSettings, PathsSettings
-from rumple.core.wrinkle_field import WrinkleField
-from rumple.core.wrinkle_mesh import WrinkleMesh
-from rumple.core.wrinkle_paths import WrinklePaths
+from rumple.core.mesh.base_mesh import BaseMesh
+from rumple.core.mesh.connected import lowest_connected
+from rumple.core.parts.cloth_surface import without_rigid_parts
+from rumple.core.settings.system_settings import FieldSettings, MeshSettings, PathsSettings
+from rumple.core.systems.wrinkle_field import WrinkleField
+from rumple.core.systems.wrinkle_mesh import WrinkleMesh
+from rumple.core.systems.wrinkle_paths import WrinklePaths
 from rumple.native import kernels
 from support.meshes import compressed, quad_mesh, rotated, tube
 from support.solved_meshes import BOX, box, distances, embedded, leant, solved, together

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A setting is stated once: what Python says of it (core/settings.py) is what the library says."""
+"""A setting is stated once: what Python says of it (core/settings/system_settings.py) is what the library says."""
 from __future__ import annotations
 
 import unittest
@@ -7,7 +7,7 @@ from dataclasses import fields
 from typing import Any
 
 import numpy as np
-from rumple.core.settings import FieldSettings, MeshSettings, PathsSettings
+from rumple.core.settings.system_settings import FieldSettings, MeshSettings, PathsSettings
 from rumple.native import kernels
 from support.meshes import tube
 

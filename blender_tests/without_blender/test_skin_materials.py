@@ -5,7 +5,7 @@ from __future__ import annotations
 import unittest
 
 import numpy as np
-from rumple.core.skin_materials import is_beside_cloth, names_skin, vertices_of
+from rumple.core.parts.skin_materials import is_beside_cloth, names_skin, vertices_of
 from support.meshes import quad_mesh, sheet
 from support.solved_meshes import together
 

@@ -6,13 +6,13 @@ import unittest
 from dataclasses import replace
 
 import numpy as np
-from rumple.core.base_mesh import BaseMesh
-from rumple.core.cloth_surface import without_rigid_parts
-from rumple.core.on_cloth import LEAST_UNDER
-from rumple.core.settings import FieldSettings, MeshSettings, PathsSettings
-from rumple.core.wrinkle_field import WrinkleField
-from rumple.core.wrinkle_mesh import WrinkleMesh
-from rumple.core.wrinkle_paths import WrinklePaths
+from rumple.core.cloth.on_cloth import LEAST_UNDER
+from rumple.core.mesh.base_mesh import BaseMesh
+from rumple.core.parts.cloth_surface import without_rigid_parts
+from rumple.core.settings.system_settings import FieldSettings, MeshSettings, PathsSettings
+from rumple.core.systems.wrinkle_field import WrinkleField
+from rumple.core.systems.wrinkle_mesh import WrinkleMesh
+from rumple.core.systems.wrinkle_paths import WrinklePaths
 from support.frames import solve_frame
 from support.meshes import quad_mesh, sheet, tube
 from support.solved_meshes import box, leant, solved, together

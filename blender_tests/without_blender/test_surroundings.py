@@ -9,9 +9,9 @@ from typing import Any
 from unittest import mock
 
 import numpy as np
-from rumple.core.cloth import FIELD, BaseCloth
-from rumple.core.cloth_settings import ClothSettings
-from rumple.core.surroundings import Field, Surroundings, air_velocity, surroundings_of
+from rumple.core.cloth.base_cloth import FIELD, BaseCloth
+from rumple.core.cloth.surroundings import Field, Surroundings, air_velocity, surroundings_of
+from rumple.core.settings.cloth_settings import ClothSettings
 from support.meshes import tube
 
 # Three units below the garment, along an axis of length 5.

@@ -8,12 +8,12 @@ import unittest
 from pathlib import Path
 from typing import Iterator
 
-from rumple.core import wording
+from rumple.core.base import wording
 from support import sentences
 
 ADDON = Path(__file__).resolve().parents[2] / "addon" / "rumple"
 RAISED = frozenset(("UserError", "BakeError"))
-OF_FILES = frozenset(("core/poses_json.py",))  # of a file that another program wrote: there is no object
+OF_FILES = frozenset(("core/systems/poses_json.py",))  # of a file that another program wrote: there is no object
 # What has no object: the whole of Blender, or an object that is called otherwise.
 WITHOUT_OBJECT = re.compile(
     r"Cycles bakes the maps|GPU Preview of|material \{0\}|it rests on|Bake cancelled|frame \{0\}: ")

@@ -7,14 +7,15 @@ import unittest
 from pathlib import Path
 
 import numpy as np
-from rumple.core import transforms
+from rumple.core.base import transforms
 
-ADDON = Path(transforms.__file__).parents[1]
+ADDON = Path(transforms.__file__).parents[2]
 # What a frame is solved from goes through these.
-SOLVED_FROM = ("core/cloth.py", "core/on_cloth.py", "core/body.py", "core/surroundings.py", "core/triangles.py",
-               "core/rigid_parts.py", "blender/objects/bodies.py", "blender/objects/mesh_reader.py",
+SOLVED_FROM = ("core/base/triangles.py", "core/mesh/body.py", "core/mesh/rigid_parts.py", "core/paint/fold_guides.py",
+               "core/cloth/base_cloth.py", "core/cloth/on_cloth.py", "core/cloth/surroundings.py",
+               "core/cloth/worn_at_rest.py", "blender/objects/bodies.py", "blender/objects/mesh_reader.py",
                "blender/objects/posed_coarse.py", "blender/objects/wind.py", "blender/objects/guide_curves.py",
-               "blender/objects/bodies_at_rest.py", "core/fold_guides.py", "core/worn_at_rest.py")
+               "blender/objects/bodies_at_rest.py")
 LEFT_TO_LIBRARIES = r"[\w)\]] @ |linalg|np\.dot|einsum|matmul|np\.(cos|sin|tan|arc|hypot|exp|log)"
 
 

@@ -8,12 +8,12 @@ from unittest import mock
 from typing import Any
 
 import numpy as np
-from rumple.core import frame_cache
-from rumple.core.body import Body
-from rumple.core.engine import UserError
-from rumple.core.frame_result import FrameResult, PreviewFrame
-from rumple.core.settings import FieldSettings
-from rumple.core.wrinkle_field import WrinkleField
+from rumple.core.frame import frame_cache
+from rumple.core.frame.engine import UserError
+from rumple.core.mesh.body import Body
+from rumple.core.mesh.frame_result import FrameResult, PreviewFrame
+from rumple.core.settings.system_settings import FieldSettings
+from rumple.core.systems.wrinkle_field import WrinkleField
 from support.frames import solve_frame
 from support.meshes import compressed, tube
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import unittest
 
 import numpy as np
-from rumple.core import worn_at_rest
-from rumple.core.base_mesh import BaseMesh
+from rumple.core.cloth import worn_at_rest
+from rumple.core.mesh.base_mesh import BaseMesh
 from support.meshes import tube
 
 

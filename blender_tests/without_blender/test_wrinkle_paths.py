@@ -9,7 +9,7 @@ from typing import Any, Iterator
 
 import numpy as np
 import rumple_native as native
-from rumple.core.base_mesh import BaseMesh
+from rumple.core.mesh.base_mesh import BaseMesh
 from support.meshes import compressed, tube
 
 DATA = Path(os.environ.get("RUMPLE_DATA", "../shared/data"))

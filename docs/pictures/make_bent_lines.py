@@ -21,8 +21,8 @@ sys.path[:0] = [str(ROOT / "addon"), str(ROOT / "scripts"), os.environ["RUMPLE_N
 import demo_scene  # noqa: E402
 import rumple  # noqa: E402
 from contact_sheet import compose, studio  # noqa: E402
-from rumple.core import cloth  # noqa: E402
-from rumple.core.systems import SYSTEMS  # noqa: E402
+from rumple.core.cloth import base_cloth  # noqa: E402
+from rumple.core.systems.all_systems import SYSTEMS  # noqa: E402
 
 FRAMES = range(40, 51)
 FROM, MIDDLE = Vector((-0.8, -1.0, 0.15)).normalized(), Vector((0.0, 0.05, 0.44))
@@ -46,8 +46,8 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as folder:
         tiles = []
         for method in ("MESH", "FIELD", "PATHS"):
-            for label, least_bend in (("any line", 0.0), ("straight lines", cloth.LEAST_BEND)):
-                cloth.LEAST_BEND = least_bend
+            for label, least_bend in (("any line", 0.0), ("straight lines", base_cloth.LEAST_BEND)):
+                base_cloth.LEAST_BEND = least_bend
                 demo_scene.build_demo_scene()
                 trousers = bpy.context.view_layer.objects.active = bpy.data.objects["Trousers"]
                 trousers.rumple.field.output = "GEOMETRY"

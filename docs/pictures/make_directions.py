@@ -25,7 +25,7 @@ import rumple  # noqa: E402
 from contact_sheet import compose, studio  # noqa: E402
 from rumple.blender import scheduler  # noqa: E402
 from rumple.blender.objects import runtimes  # noqa: E402
-from rumple.core.systems import SYSTEMS  # noqa: E402
+from rumple.core.systems.all_systems import SYSTEMS  # noqa: E402
 
 FRAMES = range(28, 37)
 FROM, MIDDLE = Vector((0.25, -1.0, 0.1)).normalized(), Vector((0.0, 0.0, 1.22))

@@ -20,7 +20,7 @@ ROOT = HERE.parents[1]
 sys.path[:0] = [str(ROOT / "addon"), str(ROOT / "scripts"), os.environ["RUMPLE_NATIVE"]]
 import rumple  # noqa: E402
 from contact_sheet import compose  # noqa: E402
-from rumple.core.presets import MESH_PRESETS  # noqa: E402
+from rumple.core.settings.presets import MESH_PRESETS  # noqa: E402
 
 SHOWN = {"Neutral": 1, "Surprise": 21, "One brow up": 1, "Anger": 51, "Laughing": 81, "Crying": 111}
 CLOSE = {"Surprise": (0.02, -0.15, 0.858), "Laughing": (0.028, -0.15, 0.778)}  # what close-ups look at

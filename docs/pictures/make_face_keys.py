@@ -20,7 +20,7 @@ sys.path.insert(0, str(HERE))
 import make_face  # noqa: E402
 import rumple  # noqa: E402
 from rumple.blender import compat  # noqa: E402
-from rumple.core.presets import MESH_PRESETS  # noqa: E402
+from rumple.core.settings.presets import MESH_PRESETS  # noqa: E402
 
 FACE = ("Head", "EyesTeeth")
 POSES = {"Surprise": {"Brow Up L": 1.0, "Brow Up R": 1.0, "Jaw Open": 1.0}, "Anger": {"Frown": 1.0}}

@@ -19,7 +19,7 @@ from make_systems import FIRST, FRAME, ROOT, compose, look, rumple  # noqa: E402
 from rumple.blender import compat  # noqa: E402
 from rumple.blender.frame import path_curves  # noqa: E402
 from rumple.blender.nodes import path_curves_tree  # noqa: E402
-from rumple.core.presets import PATHS_PRESETS  # noqa: E402
+from rumple.core.settings.presets import PATHS_PRESETS  # noqa: E402
 
 GARMENTS = ("trousers", "sweater")
 

@@ -29,9 +29,9 @@ import rumple  # noqa: E402
 import rumple_native as native  # noqa: E402
 from contact_sheet import compose, studio  # noqa: E402
 from rumple.blender.objects import mesh_reader  # noqa: E402
-from rumple.core.engine import BaseMesh  # noqa: E402
-from rumple.core.settings import PathsSettings  # noqa: E402
-from rumple.core.wrinkle_paths import WrinklePaths, suggested_width  # noqa: E402
+from rumple.core.frame.engine import BaseMesh  # noqa: E402
+from rumple.core.settings.system_settings import PathsSettings  # noqa: E402
+from rumple.core.systems.wrinkle_paths import WrinklePaths, suggested_width  # noqa: E402
 
 FRONT, BACK = Vector((-0.5, -1.0, 0.15)).normalized(), Vector((0.5, 1.0, 0.2)).normalized()
 SCENES = {  # file, garments, frames and where they are seen from

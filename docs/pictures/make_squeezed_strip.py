@@ -14,8 +14,8 @@ from PIL import Image, ImageDraw, ImageFont
 
 HERE = Path(__file__).resolve().parent
 sys.path[:0] = [str(HERE.parents[1] / "addon")]
-from rumple.core.layers import layer_settings  # noqa: E402
-from rumple.core.settings import MeshSettings  # noqa: E402
+from rumple.core.cloth.layers import layer_settings  # noqa: E402
+from rumple.core.settings.system_settings import MeshSettings  # noqa: E402
 from rumple.native import kernels  # noqa: E402
 
 EDGE, ALONG, BESIDE = 0.03, 20, 6  # metres, and squares of the base

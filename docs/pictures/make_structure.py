@@ -19,7 +19,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[2]
 sys.path[:0] = [str(ROOT / "blender_tests")]
 from support import imports  # noqa: E402
-from without_blender.test_import_order import BLENDER, LAYERS  # noqa: E402
+from without_blender.test_import_order import BLENDER, CORE, LAYERS  # noqa: E402
 
 BEFORE = "fcaa147"
 # Comments, strings, characters and directives of C++.
@@ -76,7 +76,7 @@ def matrix(graph: imports.Graph, groups: list[tuple[str, list[str]]], left: floa
 
 
 def groups_of(graph: imports.Graph, folders: list[str]) -> list[tuple[str, list[str]]]:
-    """The modules by folders of the add-on, lowest first; a folder is `core` or `blender/frame`."""
+    """The modules by folders of the add-on, lowest first; a folder is `native` or `core/frame`."""
     order = sorted_modules(graph)
     found = []
     for folder in folders:
@@ -90,7 +90,7 @@ def groups_of(graph: imports.Graph, folders: list[str]) -> list[tuple[str, list[
 def picture(before: Path, now: Path) -> str:
     high, wide = TOP + SIDE + 50, LEFT + SIDE + GAP + SIDE + 20
     old, new = imports.graph_of(before), imports.graph_of(now)
-    folders = [*LAYERS[:2], *(f"blender/{name}" for name in BLENDER)]
+    folders = ["native", *(f"core/{name}" for name in CORE), *(f"blender/{name}" for name in BLENDER)]
     body = matrix(old, groups_of(old, LAYERS), LEFT, f"Before ({BEFORE})")
     body += matrix(new, groups_of(new, folders), LEFT + SIDE + GAP, "Now")
     said = ("A row imports the columns with a mark. Below the diagonal: from what stands before it. Red: from above, "

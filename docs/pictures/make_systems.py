@@ -20,7 +20,7 @@ ROOT = HERE.parents[1]
 sys.path[:0] = [str(ROOT / "addon"), str(ROOT / "scripts"), os.environ["RUMPLE_NATIVE"]]
 import rumple  # noqa: E402
 from contact_sheet import compose  # noqa: E402
-from rumple.core.systems import SYSTEMS  # noqa: E402
+from rumple.core.systems.all_systems import SYSTEMS  # noqa: E402
 
 FIRST, FRAME = 9, 59
 

@@ -23,7 +23,7 @@ import gallery_scenes  # noqa: E402
 import rumple  # noqa: E402
 from PIL import Image  # noqa: E402
 from rumple.blender.ui import thumbnails  # noqa: E402
-from rumple.core.systems import SYSTEMS  # noqa: E402
+from rumple.core.systems.all_systems import SYSTEMS  # noqa: E402
 
 FRAME, FIRST = 28, 10  # played from there
 SIZE, SAMPLES = 112, 48

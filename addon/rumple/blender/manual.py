@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import bpy
 
-from ..core import guide
+from ..core.settings import guide
 
 
 def _map() -> tuple[str, tuple[tuple[str, str], ...]]:

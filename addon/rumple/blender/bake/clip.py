@@ -11,11 +11,11 @@ from typing import Iterator
 
 import bpy
 
-from ...core import clip_file, clip_folder
-from ...core.clip_lock import Held, Lock
-from ...core.clip_manifest import ClipFault, Manifest
-from ...core.engine import UserError
-from ...core.frame_result import Attribute, FrameResult
+from ...core.files import clip_file, clip_folder
+from ...core.files.clip_lock import Held, Lock
+from ...core.files.clip_manifest import ClipFault, Manifest
+from ...core.frame.engine import UserError
+from ...core.mesh.frame_result import Attribute, FrameResult
 from .. import compat, scheduler
 from ..frame import clip_status, path_curves
 from ..objects import clip_place, messages, modifier, output_mesh, runtimes, units

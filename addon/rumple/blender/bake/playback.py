@@ -8,7 +8,7 @@ from typing import Iterator
 import bpy
 import numpy as np
 
-from ...core import engine
+from ...core.frame import engine
 from .. import compat, scheduler
 from ..frame import clip_status, first_pass
 from ..objects import incoming_mesh, modifier, runtimes, units, viewport_mesh, visibility

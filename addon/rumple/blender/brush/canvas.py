@@ -7,9 +7,9 @@ import numpy as np
 from mathutils import Vector
 from mathutils.bvhtree import BVHTree
 
-from ...core.brush import Easel
-from ...core.engine import UserError
-from ...core.wrinkle_field import WrinkleField
+from ...core.frame.engine import UserError
+from ...core.systems.brush import Easel
+from ...core.systems.wrinkle_field import WrinkleField
 from .. import compat
 from ..objects import incoming_mesh, mesh_reader, modifier, posed_coarse, runtimes, units
 

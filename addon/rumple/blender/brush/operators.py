@@ -13,8 +13,8 @@ import bpy
 import numpy as np
 from bpy.app.handlers import persistent
 
-from ...core.brush import DEFAULT_LENGTH, LONGEST
-from ...core.engine import UserError
+from ...core.frame.engine import UserError
+from ...core.systems.brush import DEFAULT_LENGTH, LONGEST
 from .. import compat, scheduler, ui_base
 from ..objects import messages, modifier, shared_mesh
 from ..translation import said

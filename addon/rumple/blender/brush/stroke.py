@@ -9,7 +9,7 @@ import numpy as np
 from bpy_extras import view3d_utils
 from mathutils import Vector
 
-from ...core.brush import SPACING, Hand, Place
+from ...core.systems.brush import SPACING, Hand, Place
 from . import canvas as brush_canvas
 
 _FIXED = {"HORIZONTAL": 0.0, "VERTICAL": 0.5 * math.pi}  # directions on the screen, radians

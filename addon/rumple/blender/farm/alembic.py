@@ -8,8 +8,8 @@ from typing import Iterator
 
 import bpy
 
-from ...core import clip_folder
-from ...core.clip_manifest import ClipFault, Manifest
+from ...core.files import clip_folder
+from ...core.files.clip_manifest import ClipFault, Manifest
 from ..bake.playback import BakeError
 from . import shown
 

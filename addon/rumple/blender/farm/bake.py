@@ -9,12 +9,12 @@ from typing import Callable
 
 import bpy
 
-from ...core import clip_file, clip_folder
-from ...core.checkpoint import CannotGoOn, Checkpoint
-from ...core.clip_lock import Held, Lock
-from ...core.clip_manifest import ClipFault, Manifest
-from ...core.clip_partial import PartialWriter
-from ...core.frame_result import Attribute
+from ...core.files import clip_file, clip_folder
+from ...core.files.checkpoint import CannotGoOn, Checkpoint
+from ...core.files.clip_lock import Held, Lock
+from ...core.files.clip_manifest import ClipFault, Manifest
+from ...core.files.clip_partial import PartialWriter
+from ...core.mesh.frame_result import Attribute
 from ..bake import clip
 from ..bake.playback import BakeError
 from ..frame import clip_status, path_curves

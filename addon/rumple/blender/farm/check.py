@@ -11,7 +11,7 @@ from typing import Iterator
 
 import bpy
 
-from ...core import clip_folder
+from ...core.files import clip_folder
 from ...native import NativeMissing, kernels
 from ...native.library import lib
 from ..bake import clip

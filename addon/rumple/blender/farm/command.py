@@ -18,7 +18,7 @@ from typing import Any, Callable, Iterator
 
 import bpy
 
-from ...core import clip_folder
+from ...core.files import clip_folder
 from . import alembic, bake, commands, plan, poses, publish, shown, vat
 
 

@@ -9,10 +9,10 @@ from typing import Any, Callable
 
 import bpy
 
-from ...core import attached_files, pose_set
-from ...core.clip_folder import in_words, megabytes
-from ...core.clip_lock import Held
-from ...core.clip_manifest import ClipFault, Manifest
+from ...core.files import attached_files, pose_set
+from ...core.files.clip_folder import in_words, megabytes
+from ...core.files.clip_lock import Held
+from ...core.files.clip_manifest import ClipFault, Manifest
 from ..bake import clip
 from ..bake.playback import BakeError
 from ..objects import clip_place, modifier, units

@@ -7,7 +7,7 @@ from pathlib import Path
 import bpy
 import numpy as np
 
-from ...core.clip_manifest import ClipFault
+from ...core.files.clip_manifest import ClipFault
 from ..objects import saved_images
 
 SUFFIXES = {"PNG": ".png", "OPEN_EXR": ".exr"}  # 16 bits; 32-bit floats, ZIP without loss

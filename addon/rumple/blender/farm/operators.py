@@ -7,8 +7,8 @@ from typing import Any
 
 import bpy
 
-from ...core.clip_folder import megabytes
-from ...core.clip_manifest import ClipFault, Manifest
+from ...core.files.clip_folder import megabytes
+from ...core.files.clip_manifest import ClipFault, Manifest
 from .. import ui_base
 from ..bake.playback import BakeError
 from ..objects import modifier

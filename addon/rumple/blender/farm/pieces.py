@@ -8,11 +8,11 @@ from pathlib import Path
 
 import bpy
 
-from ...core import clip_file, clip_pieces
-from ...core.clip_lock import Lock
-from ...core.clip_manifest import ClipFault, Manifest
-from ...core.clip_pieces import Piece, PieceWriter
-from ...core.frame_result import Attribute
+from ...core.files import clip_file, clip_pieces
+from ...core.files.clip_lock import Lock
+from ...core.files.clip_manifest import ClipFault, Manifest
+from ...core.files.clip_pieces import Piece, PieceWriter
+from ...core.mesh.frame_result import Attribute
 from ..bake import clip
 from ..bake.playback import BakeError, Playback
 from ..frame import clip_status, path_curves

@@ -7,7 +7,7 @@ import json
 
 import bpy
 
-from ...core import clip_file
+from ...core.files import clip_file
 from .. import compat
 from ..objects import bodies, modifier, units
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Solves a garment in many poses of its rig, for machine learning. core/pose_set.py writes the files.
+"""Solves a garment in many poses of its rig, for machine learning. core/files/pose_set.py writes the files.
 
 The open file is changed and must not be saved: the animation of its rig is removed, and every pose is solved
 independently.
@@ -14,10 +14,10 @@ from typing import Any, Callable
 import bpy
 import numpy as np
 
-from ...core import pose_set
-from ...core.clip_lock import Held, Lock
-from ...core.clip_manifest import ClipFault
-from ...core.pose_set import PoseSet
+from ...core.files import pose_set
+from ...core.files.clip_lock import Held, Lock
+from ...core.files.clip_manifest import ClipFault
+from ...core.files.pose_set import PoseSet
 from .. import compat
 from ..bake.playback import BakeError, Playback
 from ..frame import clip_status

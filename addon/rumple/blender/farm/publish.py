@@ -7,8 +7,8 @@ from pathlib import Path
 import bpy
 import numpy as np
 
-from ...core import usd_text
-from ...core.clip_manifest import Manifest
+from ...core.files import usd_text
+from ...core.files.clip_manifest import Manifest
 from .. import compat
 from ..objects import modifier
 from . import shown

@@ -8,7 +8,7 @@ import bpy
 import numpy as np
 from mathutils import Euler, Matrix
 
-from ...core.pose_set import BoneRange, widened
+from ...core.files.pose_set import BoneRange, widened
 from ..objects import bodies
 
 AXES = "xyz"

@@ -9,8 +9,8 @@ from typing import Any, Iterator
 import bpy
 import numpy as np
 
-from ...core import clip_file, clip_folder, usd_text
-from ...core.clip_manifest import ClipFault, Manifest
+from ...core.files import clip_file, clip_folder, usd_text
+from ...core.files.clip_manifest import ClipFault, Manifest
 from .. import compat
 from ..bake.playback import BakeError
 from ..frame import clip_status

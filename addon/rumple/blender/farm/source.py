@@ -10,8 +10,8 @@ from typing import Iterator
 
 import bpy
 
-from ...core import attached_files, clip_file
-from ...core.clip_manifest import ClipFault
+from ...core.files import attached_files, clip_file
+from ...core.files.clip_manifest import ClipFault
 from ...native import kernels
 from ..frame import clip_status
 from ..nodes import modifier_inputs

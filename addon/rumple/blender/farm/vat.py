@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Exports the baked garment as vertex animation textures and a mesh for game engines. core/vat.py has the layout."""
+"""Exports the baked garment as vertex animation textures and a mesh for game engines. core/files/vat.py: the layout."""
 from __future__ import annotations
 
 from dataclasses import dataclass
@@ -10,9 +10,9 @@ import bpy
 import numpy as np
 from mathutils import Matrix
 
-from ...core import clip_folder
-from ...core.clip_manifest import ClipFault, Manifest
-from ...core.vat import STEPS, TOO_FAR, UV_MAP, Layout, Remap, encode_normals, in_place_of, remap_text, way_of
+from ...core.files import clip_folder
+from ...core.files.clip_manifest import ClipFault, Manifest
+from ...core.files.vat import STEPS, TOO_FAR, UV_MAP, Layout, Remap, encode_normals, in_place_of, remap_text, way_of
 from .. import compat
 from ..bake.playback import BakeError
 from ..objects import units

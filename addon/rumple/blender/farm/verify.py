@@ -9,9 +9,9 @@ from typing import Iterator
 import bpy
 import numpy as np
 
-from ...core import clip_file, clip_partial
-from ...core.clip_manifest import Manifest
-from ...core.frame_result import FrameResult
+from ...core.files import clip_file, clip_partial
+from ...core.files.clip_manifest import Manifest
+from ...core.mesh.frame_result import FrameResult
 from ..bake import clip
 from ..bake.playback import BakeError, Playback
 from ..objects import modifier

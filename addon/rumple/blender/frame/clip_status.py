@@ -7,8 +7,8 @@ from pathlib import Path
 
 import bpy
 
-from ...core import clip_file
-from ...core.clip_manifest import ClipFault, Manifest
+from ...core.files import clip_file
+from ...core.files.clip_manifest import ClipFault, Manifest
 from .. import compat
 from ..objects import (bodies, clip_place, evaluator, incoming_mesh, mesh_reader, messages, modifier, posed_coarse,
                        point_caches, properties, runtimes, stack_notes, units)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Stored frames on disk (core/kept_frames.py): the folder, and when they are written.
+"""Stored frames on disk (core/files/kept_frames.py): the folder, and when they are written.
 
 They are never written during a frame. They are written when a file is saved, and in a window in small batches while
 nothing is played, moved or rendered. They are read if a requested frame is not in memory.
@@ -13,7 +13,7 @@ from typing import Iterator
 
 import bpy
 
-from ...core.kept_frames import KeptFrames
+from ...core.files.kept_frames import KeptFrames
 from .. import scheduler
 from ..objects import clip_place, messages, modifier, runtimes
 from ..objects.evaluator import solved_alike

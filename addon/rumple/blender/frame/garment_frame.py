@@ -13,10 +13,10 @@ from typing import Sequence
 import bpy
 import numpy as np
 
-from ...core import engine
-from ...core.at_once import call_at_once
-from ...core.found_frame import FoundFrame
-from ...core.frame_input import FrameRequest
+from ...core.base.at_once import call_at_once
+from ...core.frame import engine
+from ...core.frame.found_frame import FoundFrame
+from ...core.frame.frame_input import FrameRequest
 from .. import compat
 from ..objects import messages, output_mesh
 from ..objects.runtimes import Inputs, Runtime

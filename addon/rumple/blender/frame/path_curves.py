@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The paths as curves: a child object of the garment, whose mesh has rows of numbers (core/curve_rows.py). Its node
-group makes curves from them (path_curves_tree.py).
+"""The paths as curves: a child object of the garment, whose mesh has rows of numbers (core/systems/curve_rows.py).
+Its node group makes curves from them (path_curves_tree.py).
 
 The mesh has a capacity of points. Handlers write only positions and never change its topology. Structural work
 increases the capacity. The modifier's input refers to the garment of the curves.
@@ -15,9 +15,9 @@ from typing import Any, BinaryIO, Iterator
 import bpy
 import numpy as np
 
-from ...core import clip_file, clip_folder
-from ...core.clip_manifest import ClipFault, Manifest
-from ...core.curve_rows import MOST_ROOM, ROWS, CurvePoints, capacity_for, rows_of
+from ...core.files import clip_file, clip_folder
+from ...core.files.clip_manifest import ClipFault, Manifest
+from ...core.systems.curve_rows import MOST_ROOM, ROWS, CurvePoints, capacity_for, rows_of
 from .. import compat, scheduler
 from ..nodes import path_curves_tree
 from ..nodes.modifier_inputs import get_input, set_input

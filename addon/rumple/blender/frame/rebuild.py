@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import bpy
 
-from ...core.shown_mesh import ShownMesh, ViewportMesh
+from ...core.mesh.shown_mesh import ShownMesh, ViewportMesh
 from .. import compat, scheduler
 from ..nodes import field_profile, field_shader, wrinkle_tree
 from ..nodes.output_flags import Flag, set_flag

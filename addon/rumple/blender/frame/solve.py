@@ -1,17 +1,17 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The live solve, called between Blender's two evaluation passes, for every depsgraph and every subframe.
 
-The result depends only on the pose and on stored state (core/frame_cache.py), so the number and order of calls and the
-depsgraph do not matter. Rules that keep Blender from crashing: never update a depsgraph here; do not touch viewport
-depsgraphs while a render runs; write only attributes of the output mesh, and nothing if nothing changed; do not touch
-baked objects.
+The result depends only on the pose and on stored state (core/frame/frame_cache.py), so the number and order of calls
+and the depsgraph do not matter. Rules that keep Blender from crashing: never update a depsgraph here; do not touch
+viewport depsgraphs while a render runs; write only attributes of the output mesh, and nothing if nothing changed; do
+not touch baked objects.
 """
 from __future__ import annotations
 
 import bpy
 import numpy as np
 
-from ...core import engine
+from ...core.frame import engine
 from .. import compat, scheduler
 from ..nodes.output_flags import Flag, set_flag
 from ..objects import (bodies, changes, clip_range, evaluator, incoming_mesh, mesh_reader, messages, modifier,

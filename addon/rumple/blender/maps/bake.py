@@ -16,8 +16,8 @@ import bpy
 import numpy as np
 from mathutils import Matrix
 
-from ...core.engine import UserError
-from ...core.presets import SKIN_OF_MAPS
+from ...core.frame.engine import UserError
+from ...core.settings.presets import SKIN_OF_MAPS
 from .. import compat, scheduler
 from ..frame import rebuild
 from ..nodes import maps_shader

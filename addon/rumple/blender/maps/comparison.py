@@ -7,8 +7,8 @@ import hashlib
 import bpy
 import numpy as np
 
-from ...core.engine import UserError
-from ...core.poses import PoseComparison, PoseRig, SkinWeights
+from ...core.frame.engine import UserError
+from ...core.systems.poses import PoseComparison, PoseRig, SkinWeights
 from ...native import NativeMissing
 from ..objects import modifier
 from . import modifier as maps_modifier, rig as maps_rig, runtimes as maps_runtimes

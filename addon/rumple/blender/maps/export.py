@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Exports Wrinkle Maps for game engines: the rig as JSON (core/poses.py), the maps as PNG, influences by frame.
+"""Exports Wrinkle Maps for game engines: the rig as JSON (core/systems/poses.py), the maps as PNG, influences by frame.
 
 bpy.ops.rumple.maps_export(filepath="face.json", frames=True), maps_weights(). docs/wrinkle_maps.md says what an engine
 does with them.
@@ -12,10 +12,10 @@ from typing import Any
 
 import bpy
 
-from ...core import clip_folder
-from ...core.engine import UserError
-from ...core.poses import PoseComparison, PoseRig, SkinWeights
-from ...core.poses_json import from_json
+from ...core.files import clip_folder
+from ...core.frame.engine import UserError
+from ...core.systems.poses import PoseComparison, PoseRig, SkinWeights
+from ...core.systems.poses_json import from_json
 from ..nodes import maps_mask_tree, maps_shader
 from ..objects import saved_images
 from ..objects.clip_place import stored_path

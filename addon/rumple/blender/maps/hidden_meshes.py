@@ -21,7 +21,7 @@ import bpy
 import numpy as np
 from mathutils import Matrix, Vector
 
-from ...core.poses import ROW, PoseComparison, PoseRig, packed
+from ...core.systems.poses import ROW, PoseComparison, PoseRig, packed
 from .. import compat
 from ..nodes import maps_mask_tree
 from ..nodes.maps_mask_tree import FRAME

@@ -7,7 +7,7 @@ from typing import Any
 import bpy
 import numpy as np
 
-from ...core.shape_keys import weights_of_key
+from ...core.systems.shape_keys import weights_of_key
 from ..objects import mesh_reader
 
 SET = 1e-3  # a smaller difference of values is the rounding of a driver

@@ -7,7 +7,7 @@ import colorsys
 import bpy
 import numpy as np
 
-from ...core.poses import PACKED
+from ...core.systems.poses import PACKED
 from .. import compat
 from ..nodes import maps_shader
 from ..viewport.draw_handler import DrawHandler

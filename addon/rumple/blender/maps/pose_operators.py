@@ -10,8 +10,8 @@ from __future__ import annotations
 
 import bpy
 
-from ...core.engine import UserError
-from ...core.poses import MOST_POSES, PoseComparison
+from ...core.frame.engine import UserError
+from ...core.systems.poses import MOST_POSES, PoseComparison
 from ..translation import said
 from . import changes as maps_changes, keys as maps_keys, rig as maps_rig, stored_poses
 from .operators import OnMaps, OnPose, target

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import bpy
 
-from ...core.poses import GAINS, MOST_POSES
+from ...core.systems.poses import GAINS, MOST_POSES
 from .. import compat
 from ..objects.properties import METHODS
 from . import changes as maps_changes, comparison, runtimes as maps_runtimes

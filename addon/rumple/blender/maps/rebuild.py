@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import bpy
 
-from ...core.engine import UserError
-from ...core.poses import strengths
+from ...core.frame.engine import UserError
+from ...core.systems.poses import strengths
 from .. import compat
 from ..frame import rebuild as frame_rebuild
 from ..nodes.maps_mask_tree import Shape

@@ -7,10 +7,11 @@ from typing import Any
 import bpy
 import numpy as np
 
-from ...core import poses, transforms
-from ...core.engine import UserError
-from ...core.poses import PoseRig, ReferencePose, SkinWeights, TrackedBone, TrackedKey
-from ...core.shape_keys import with_keys
+from ...core.base import transforms
+from ...core.frame.engine import UserError
+from ...core.systems import poses
+from ...core.systems.poses import PoseRig, ReferencePose, SkinWeights, TrackedBone, TrackedKey
+from ...core.systems.shape_keys import with_keys
 from . import keys as maps_keys, stored_poses
 
 _SAME = 1e-6  # values of a shape key that differ by less are equal

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ...core.poses import PoseComparison
+from ...core.systems.poses import PoseComparison
 from ..objects.runtime_table import RuntimeBase, RuntimeTable
 
 

@@ -12,7 +12,7 @@ from typing import Any, Sequence
 import bpy
 import numpy as np
 
-from ...core import transforms
+from ...core.base import transforms
 from .. import compat
 from . import keys as maps_keys
 

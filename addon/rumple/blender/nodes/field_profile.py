@@ -11,8 +11,9 @@ import hashlib
 import bpy
 import numpy as np
 
+from ...core.frame import engine
+from ...core.systems import wrinkle_field
 from ...native import kernels
-from ...core import engine, wrinkle_field
 from .. import compat
 
 NAME = "Rumple Profile"

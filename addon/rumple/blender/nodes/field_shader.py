@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The shader node group "Rumple Field": the waves of the Wrinkle Field for every pixel, in Cycles and EEVEE.
 
-Source: Loviscach 2006, equation numbers are the paper's. It reads the attributes that core/wrinkle_field.py writes on
-the corners of every triangle. Without these attributes the waves have no height, so other objects may use the material.
+Source: Loviscach 2006, equation numbers are the paper's. It reads the attributes that core/systems/wrinkle_field.py
+writes on the corners of every triangle. Without these attributes the waves have no height, so other objects may use the
+material.
 
     Height  equation (5), in the object's units
     Normal  equations (7) and (8), without the gradient of the barycentric coordinates, which would show the triangles
@@ -17,7 +18,7 @@ from typing import Any
 import bpy
 import numpy as np
 
-from ...core import wrinkle_field
+from ...core.systems import wrinkle_field
 from .. import compat
 from . import builder, field_profile
 

@@ -18,7 +18,7 @@ from dataclasses import dataclass
 
 import bpy
 
-from ...core.poses import PACKED, ROW
+from ...core.systems.poses import PACKED, ROW
 from .. import compat
 from . import wrinkle_tree
 from .builder import GeometryNodes

@@ -12,8 +12,8 @@ from typing import Iterator, Sequence
 
 import bpy
 
-from ...core.engine import UserError
-from ...core.poses import PACKED
+from ...core.frame.engine import UserError
+from ...core.systems.poses import PACKED
 from .. import compat
 from . import builder
 

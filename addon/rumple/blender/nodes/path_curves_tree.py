@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The node group "Rumple Path Curves", built by code: makes curves from the rows in core/curve_rows.py.
+"""The node group "Rumple Path Curves", built by code: makes curves from the rows in core/systems/curve_rows.py.
 
 The rows are the points of the incoming mesh. Handlers write them, or a Mesh Cache in front plays them. The points of
 the curves follow the garment as it enters its wrinkles, in the garment's object space. Attributes of the result:
@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import bpy
 
-from ...core.curve_rows import ROWS
+from ...core.systems.curve_rows import ROWS
 from .. import compat
 from . import wrinkle_tree
 from .builder import GeometryNodes, Socket, empty_modifier_group

@@ -37,9 +37,9 @@ from __future__ import annotations
 
 import bpy
 
-from ...core import clip_file
-from ...core.frame_result import Attribute
-from ...core.systems import SYSTEMS, System
+from ...core.files import clip_file
+from ...core.mesh.frame_result import Attribute
+from ...core.systems.all_systems import SYSTEMS, System
 from .. import compat
 from .builder import GeometryNodes, empty_modifier_group
 from .output_flags import THRESHOLD, Flag

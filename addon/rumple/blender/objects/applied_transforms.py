@@ -12,10 +12,10 @@ from __future__ import annotations
 import bpy
 import numpy as np
 
-from ...core import transforms
-from ...core.cloth_settings import direction_of, nearest_up
-from ...core.connected import lowest_connected
-from ...core.systems import SYSTEMS
+from ...core.base import transforms
+from ...core.mesh.connected import lowest_connected
+from ...core.settings.cloth_settings import direction_of, nearest_up
+from ...core.systems.all_systems import SYSTEMS
 from .. import compat
 from ..nodes.wrinkle_tree import REST_BASIS, REST_POSITION
 from . import incoming_mesh, mesh_reader, properties

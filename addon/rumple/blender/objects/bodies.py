@@ -13,8 +13,9 @@ from typing import Any, Callable, NamedTuple
 import bpy
 import numpy as np
 
-from ...core import engine, transforms
-from ...core.body import Body, digest_of_triangles, is_nearly_closed, joined_rest, side
+from ...core.base import transforms
+from ...core.frame import engine
+from ...core.mesh.body import Body, digest_of_triangles, is_nearly_closed, joined_rest, side
 from .. import compat
 from ..nodes import path_curves_tree
 from . import (bodies_at_rest, incoming_mesh, made_collections, mesh_reader, messages, modifier, output_mesh,

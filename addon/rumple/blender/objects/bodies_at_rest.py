@@ -8,8 +8,9 @@ import numpy as np
 
 from mathutils import Matrix
 
-from ...core import transforms, worn_at_rest
-from ...core.body import Body, side
+from ...core.base import transforms
+from ...core.cloth import worn_at_rest
+from ...core.mesh.body import Body, side
 from .. import compat
 from . import incoming_mesh, mesh_reader, rig_scale, units
 

@@ -10,11 +10,12 @@ import numpy as np
 from mathutils import Vector
 from mathutils.bvhtree import BVHTree
 
-from ...core import outer_side, transforms
-from ...core.body import facing_outwards
-from ...core.healing import TURNED
-from ...core.triangles import area_vectors
-from ...core.vertices import lengths, sample_of
+from ...core.base import transforms
+from ...core.base.triangles import area_vectors
+from ...core.base.vertices import lengths, sample_of
+from ...core.mesh import outer_side
+from ...core.mesh.body import facing_outwards
+from ...core.mesh.healing import TURNED
 from . import bodies, incoming_mesh, mesh_reader, modifier
 from .bodies_at_rest import armatures
 

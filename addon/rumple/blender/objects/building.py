@@ -7,7 +7,7 @@ import time
 import weakref
 from typing import Any, Callable
 
-from ...core.engine import Wrinkles
+from ...core.frame.engine import Wrinkles
 from ...native import kernels
 
 PATIENCE = 0.2  # seconds to wait on the spot for a short build

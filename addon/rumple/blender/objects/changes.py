@@ -5,7 +5,7 @@ from __future__ import annotations
 import bpy
 import numpy as np
 
-from ...core.systems import SYSTEMS
+from ...core.systems.all_systems import SYSTEMS
 from .. import compat, scheduler
 from ..nodes import field_profile, wrinkle_tree
 from ..scheduler import LOCK
@@ -15,7 +15,7 @@ from . import bodies, guide_curves, incoming_mesh, made_collections, modifier, r
 def settings_changed(obj: bpy.types.Object, affects: str, structural: bool) -> None:
     """Called by every property. Marks the necessary work; the scheduler and the next update do it.
 
-    affects: see core.settings.setting(). structural: the fine mesh may change.
+    affects: see core/settings/setting.py. structural: the fine mesh may change.
     """
     if obj.rumple.method == "NONE" or modifier.find(obj) is None:
         return

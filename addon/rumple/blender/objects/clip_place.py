@@ -7,7 +7,7 @@ from pathlib import Path
 
 import bpy
 
-from ...core import clip_folder
+from ...core.files import clip_folder
 from .. import compat
 
 FOLDER = "//rumple"

@@ -5,10 +5,10 @@ from __future__ import annotations
 import bpy
 import numpy as np
 
-from ...core import transforms
-from ...core.base_mesh import BaseMesh
-from ...core.closed_garment import bends, is_closed_garment
-from ...core.skin_materials import names_skin
+from ...core.base import transforms
+from ...core.mesh.base_mesh import BaseMesh
+from ...core.parts.closed_garment import bends, is_closed_garment
+from ...core.parts.skin_materials import names_skin
 from . import bodies_at_rest, body_search, incoming_mesh, mesh_reader
 
 

@@ -8,8 +8,11 @@ import bpy
 import numpy as np
 from mathutils.kdtree import KDTree
 
-from ...core import flared, outer_side, transforms, wrinkle_field, wrinkle_mesh, wrinkle_paths
-from ...core.base_mesh import BaseMesh
+from ...core.base import transforms
+from ...core.mesh import outer_side
+from ...core.mesh.base_mesh import BaseMesh
+from ...core.parts import flared
+from ...core.systems import wrinkle_field, wrinkle_mesh, wrinkle_paths
 from .. import compat
 from . import closed_garments, incoming_mesh, mesh_reader, modifier, named_skin, properties, rig_scale, runtimes, units
 

@@ -10,9 +10,9 @@ from typing import Any, Callable
 import bpy
 import numpy as np
 
-from ...core import engine
-from ...core.checkpoint import carry_frames
-from ...core.settings import FieldSettings, MeshSettings
+from ...core.files.checkpoint import carry_frames
+from ...core.frame import engine
+from ...core.settings.system_settings import FieldSettings, MeshSettings
 from .. import compat, scheduler
 from . import incoming_mesh, mesh_reader, messages, modifier, properties, rig_scale, subdivision_behind, units
 from .building import PATIENCE, Building

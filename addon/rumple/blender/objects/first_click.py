@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import bpy
 
-from ...core.systems import SYSTEMS
+from ...core.systems.all_systems import SYSTEMS
 from ..nodes import wrinkle_tree
 from . import (body_search, cloth_defaults, free_parts, incoming_mesh, made_collections, mesh_reader, named_skin,
                painted_skin, properties, rig_scale, tucked_hems)

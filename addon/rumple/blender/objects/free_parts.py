@@ -10,10 +10,11 @@ import numpy as np
 from mathutils import Vector
 from mathutils.bvhtree import BVHTree
 
-from ...core import hangs_free, transforms
-from ...core.cloth import size_factor
-from ...core.triangles import at_border
-from ...core.vertices import places
+from ...core.base import transforms
+from ...core.base.triangles import at_border
+from ...core.base.vertices import places
+from ...core.cloth.base_cloth import size_factor
+from ...core.paint import hangs_free
 from .. import compat
 from . import bodies, body_search, cloth_defaults, incoming_mesh, mesh_reader, painted_maps, properties, rig_scale
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Guides of a garment: its child curves and its seams, in the form that core/fold_guides.py needs.
+"""Guides of a garment: its child curves and its seams, in the form that core/paint/fold_guides.py needs.
 
 `object.rumple_guide` of each curve has the settings of its folds. A curve is read in the garment's object space at
 rest, independent of the pose and the location of the garment.
@@ -12,9 +12,9 @@ import bpy
 import numpy as np
 from mathutils.geometry import interpolate_bezier
 
-from ...core import transforms
-from ...core.engine import UserError
-from ...core.fold_guides import DIRECTION, KINDS, PUCKER, Guide
+from ...core.base import transforms
+from ...core.frame.engine import UserError
+from ...core.paint.fold_guides import DIRECTION, KINDS, PUCKER, Guide
 from .. import compat
 from . import incoming_mesh, modifier, runtimes, units
 

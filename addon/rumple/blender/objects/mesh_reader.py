@@ -8,14 +8,15 @@ from typing import Union
 import bpy
 import numpy as np
 
-from ...core import engine, transforms
-from ...core.fold_guides import DIRECTION, GUIDES, KIND
-from ...core.hangs_free import FREE
-from ...core.keep_smooth import SMOOTH
-from ...core.on_cloth import PAINTED
-from ...core.paint_maps import WIDTH, narrowest_of
-from ...core.painted_rigid import RIGID, wholly_painted
-from ...core.settings import FieldSettings, MeshSettings, PathsSettings
+from ...core.base import transforms
+from ...core.cloth.on_cloth import PAINTED
+from ...core.frame import engine
+from ...core.paint.fold_guides import DIRECTION, GUIDES, KIND
+from ...core.paint.hangs_free import FREE
+from ...core.paint.keep_smooth import SMOOTH
+from ...core.paint.paint_maps import WIDTH, narrowest_of
+from ...core.paint.painted_rigid import RIGID, wholly_painted
+from ...core.settings.system_settings import FieldSettings, MeshSettings, PathsSettings
 from .. import compat
 from ..nodes import field_profile, wrinkle_tree
 from . import guide_curves, incoming_mesh, own_mesh_place, rig_scale

@@ -6,8 +6,8 @@ from typing import Iterable, Iterator
 
 import bpy
 
-from ...core.clip_manifest import Manifest
-from ...core.systems import SYSTEMS, System
+from ...core.files.clip_manifest import Manifest
+from ...core.systems.all_systems import SYSTEMS, System
 from .. import compat, scheduler
 from ..nodes import wrinkle_tree
 from ..nodes.modifier_inputs import get_input, set_input

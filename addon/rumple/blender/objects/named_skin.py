@@ -5,9 +5,9 @@ from __future__ import annotations
 import bpy
 import numpy as np
 
-from ...core import skin_materials
-from ...core.base_mesh import BaseMesh
-from ...core.wording import UserError
+from ...core.base.wording import UserError
+from ...core.mesh.base_mesh import BaseMesh
+from ...core.parts import skin_materials
 from . import incoming_mesh, mesh_reader
 
 

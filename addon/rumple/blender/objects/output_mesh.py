@@ -14,10 +14,10 @@ import json
 import bpy
 import numpy as np
 
-from ...core.frame_result import Attribute, FrameResult
-from ...core.shown_mesh import ShownMesh
-from ...core.triangles import Embedding, on_shown
-from ...core.vertices import pair_keys
+from ...core.base.triangles import Embedding, on_shown
+from ...core.base.vertices import pair_keys
+from ...core.mesh.frame_result import Attribute, FrameResult
+from ...core.mesh.shown_mesh import ShownMesh
 from .. import compat
 from ..nodes import wrinkle_tree
 from . import incoming_mesh, mesh_reader

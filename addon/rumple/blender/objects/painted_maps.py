@@ -8,13 +8,13 @@ from typing import Any
 import bpy
 import numpy as np
 
-from ...core import paint_maps
-from ...core.engine import UserError
-from ...core.hangs_free import FREE
-from ...core.keep_smooth import SMOOTH
-from ...core.paint_maps import WIDTH
-from ...core.painted_rigid import RIGID
-from ...core.settings import FieldSettings, MeshSettings
+from ...core.frame.engine import UserError
+from ...core.paint import paint_maps
+from ...core.paint.hangs_free import FREE
+from ...core.paint.keep_smooth import SMOOTH
+from ...core.paint.paint_maps import WIDTH
+from ...core.paint.painted_rigid import RIGID
+from ...core.settings.system_settings import FieldSettings, MeshSettings
 from .. import compat, scheduler
 from . import cloth_defaults, lost_maps, mesh_reader, modifier, properties, runtimes, units
 

@@ -6,11 +6,11 @@ from __future__ import annotations
 import bpy
 import numpy as np
 
-from ...core import skin_materials
-from ...core.cloth import suggested_follow
-from ...core.cloth_surface import without_rigid_parts
-from ...core.keep_smooth import SMOOTH
-from ...core.wording import UserError
+from ...core.base.wording import UserError
+from ...core.cloth.base_cloth import suggested_follow
+from ...core.paint.keep_smooth import SMOOTH
+from ...core.parts import skin_materials
+from ...core.parts.cloth_surface import without_rigid_parts
 from .. import compat
 from . import cloth_defaults, mesh_reader, named_skin, painted_maps, properties
 

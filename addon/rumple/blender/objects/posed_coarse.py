@@ -14,7 +14,7 @@ from typing import Iterator
 import bpy
 import numpy as np
 
-from ...core.engine import UserError
+from ...core.frame.engine import UserError
 from .. import compat
 from . import mesh_reader, modifier
 

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The data that is stored on objects: `object.rumple`. The settings are made from core/settings.py, field by field."""
+"""The data that is stored on objects: `object.rumple`. The settings are made from core/settings/system_settings.py,
+field by field."""
 from __future__ import annotations
 
 import math
@@ -8,8 +9,8 @@ from typing import Any, Callable, Iterable
 
 import bpy
 
-from ...core import engine
-from ...core.systems import SYSTEMS, System
+from ...core.frame import engine
+from ...core.systems.all_systems import SYSTEMS, System
 from .. import compat
 from . import bodies, changes, clip_range, own_mesh_place, runtimes, units
 

@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from ...core import engine
-from ...core.body import Body
-from ...core.surroundings import Surroundings
+from ...core.cloth.surroundings import Surroundings
+from ...core.frame import engine
+from ...core.mesh.body import Body
 from .. import scheduler
 from .building import Building
 from .runtime_table import RuntimeBase, RuntimeTable

@@ -9,7 +9,7 @@ from typing import Any, Callable
 import bpy
 import numpy as np
 
-from ...core.engine import UserError
+from ...core.frame.engine import UserError
 from . import modifier
 
 MEGABYTES = 0.028  # per triangle and step of Quality: measured in 3.4, 5,632 triangles, Quality 1 to 4

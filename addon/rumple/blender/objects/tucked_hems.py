@@ -9,14 +9,15 @@ import numpy as np
 from mathutils import Vector
 from mathutils.bvhtree import BVHTree
 
-from ...core import transforms, tucked
-from ...core.base_mesh import BaseMesh
-from ...core.cloth import size_factor, suggested_follow
-from ...core.cloth_surface import without_rigid_parts
-from ...core.connected import borders
-from ...core.engine import UserError
-from ...core.triangles import vertex_normals
-from ...core.vertices import places
+from ...core.base import transforms
+from ...core.base.triangles import vertex_normals
+from ...core.base.vertices import places
+from ...core.cloth import tucked
+from ...core.cloth.base_cloth import size_factor, suggested_follow
+from ...core.frame.engine import UserError
+from ...core.mesh.base_mesh import BaseMesh
+from ...core.mesh.connected import borders
+from ...core.parts.cloth_surface import without_rigid_parts
 from .. import compat
 from . import cloth_defaults, painted_maps, properties, rig_scale
 

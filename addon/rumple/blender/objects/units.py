@@ -8,7 +8,7 @@ import bpy
 import numpy as np
 from mathutils import Matrix, Vector
 
-from ...core import transforms
+from ...core.base import transforms
 from .. import compat
 
 SCALES = [(name, axis) for name in ("scale", "delta_scale") for axis in range(3)]

@@ -12,8 +12,8 @@ from typing import Iterator
 
 import bpy
 
-from ...core import engine
-from ...core.shown_mesh import ShownMesh
+from ...core.frame import engine
+from ...core.mesh.shown_mesh import ShownMesh
 from .. import compat
 from ..nodes.output_flags import Flag, change_flag, is_set
 from . import modifier

@@ -14,7 +14,7 @@ import json
 import bpy
 import numpy as np
 
-from ...core.shown_mesh import ShownMesh
+from ...core.mesh.shown_mesh import ShownMesh
 from .. import compat
 from . import incoming_mesh, mesh_reader, output_mesh, painted_maps
 from .runtimes import Runtime

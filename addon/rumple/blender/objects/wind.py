@@ -7,8 +7,8 @@ from typing import Iterator
 import bpy
 from mathutils import Matrix, Vector
 
-from ...core.cloth_settings import ClothSettings
-from ...core.surroundings import Field, Surroundings, surroundings_of
+from ...core.cloth.surroundings import Field, Surroundings, surroundings_of
+from ...core.settings.cloth_settings import ClothSettings
 
 KINDS = ("WIND", "FORCE", "VORTEX", "HARMONIC", "DRAG", "TURBULENCE")
 SHAPES = ("POINT", "LINE", "PLANE")

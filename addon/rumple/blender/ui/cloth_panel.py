@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import bpy
 
-from ...core.hangs_free import FREE
+from ...core.paint.hangs_free import FREE
 from ..objects import mesh_reader, properties
 from ..ui_base import Panel, draw_note, draw_setting, labelled_row, settings_column
 

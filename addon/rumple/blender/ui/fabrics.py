@@ -7,7 +7,7 @@ from typing import Any
 
 import bpy
 
-from ...core.presets import Preset, touched
+from ...core.settings.presets import Preset, touched
 from .. import ui_base
 from ..objects import properties
 from ..translation import said

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import bpy
 
-from ...core.keep_smooth import SMOOTH
-from ...core.painted_rigid import RIGID
+from ...core.paint.keep_smooth import SMOOTH
+from ...core.paint.painted_rigid import RIGID
 from ..objects import guide_curves
 from ..ui_base import Panel, draw_setting, settings_column
 from . import cloth_panel

@@ -5,7 +5,7 @@ from __future__ import annotations
 import bpy
 import numpy as np
 
-from ...core.healing import SENTENCES, Origin
+from ...core.mesh.healing import SENTENCES, Origin
 from .. import ui_base
 from ..objects import incoming_mesh, runtimes
 from ..translation import said

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import bpy
 
-from ...core.systems import SYSTEMS
+from ...core.systems.all_systems import SYSTEMS
 from .. import compat, ui_base
 from ..translation import said
 from . import examples, panels, thumbnails

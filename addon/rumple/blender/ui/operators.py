@@ -10,8 +10,8 @@ from typing import Any
 import bpy
 
 from ... import native
-from ...core.base_mesh import built_once
-from ...core.systems import SYSTEMS
+from ...core.mesh.base_mesh import built_once
+from ...core.systems.all_systems import SYSTEMS
 from .. import compat, scheduler, ui_base
 from ..frame import disk_frames, rebuild
 from ..maps import rebuild as maps_rebuild

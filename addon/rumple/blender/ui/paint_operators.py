@@ -11,8 +11,8 @@ from __future__ import annotations
 import bpy
 import numpy as np
 
-from ...core import paint_maps
-from ...core.engine import UserError
+from ...core.frame.engine import UserError
+from ...core.paint import paint_maps
 from .. import compat, ui_base
 from ..objects import mesh_reader, painted_maps, properties, shared_mesh, units
 from ..objects.painted_maps import PaintedMap

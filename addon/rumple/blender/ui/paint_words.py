@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import bpy
 
-from ...core.hangs_free import FREE
-from ...core.keep_smooth import SMOOTH
-from ...core.painted_rigid import RIGID
+from ...core.paint.hangs_free import FREE
+from ...core.paint.keep_smooth import SMOOTH
+from ...core.paint.painted_rigid import RIGID
 from ..objects.painted_maps import PaintedMap
 from ..translation import said
 

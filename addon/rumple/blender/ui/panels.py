@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import bpy
 
-from ...core.base_mesh import RAISE_MOST
+from ...core.mesh.base_mesh import RAISE_MOST
 from .. import ui_base
 from ..bake import panel as bake_panel
 from ..brush import panel as brush_panel

@@ -10,7 +10,7 @@ from typing import Any
 import bpy
 import numpy as np
 
-from ...core.wrinkle_paths import PERCENT_OF_HEIGHT, width_of_height
+from ...core.systems.wrinkle_paths import PERCENT_OF_HEIGHT, width_of_height
 from ..frame import path_curves
 from ..objects import mesh_reader, modifier, properties
 from ..translation import said

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import bpy
 
-from ...core.settings import reference_settings
+from ...core.settings.system_settings import reference_settings
 from ..objects import properties
 from ..ui_base import Panel, settings_column
 

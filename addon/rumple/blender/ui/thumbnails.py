@@ -13,7 +13,7 @@ from typing import Any
 import bpy
 import bpy.utils.previews
 
-from ...core.systems import SYSTEMS
+from ...core.systems.all_systems import SYSTEMS
 from ..objects import modifier, properties
 from ..translation import said
 

@@ -12,7 +12,7 @@ import bpy
 import numpy as np
 from mathutils import Matrix
 
-from ...core.wrinkle_paths import WrinklePaths
+from ...core.systems.wrinkle_paths import WrinklePaths
 from .. import compat, scheduler
 from ..objects import mesh_reader, modifier, runtimes
 from .draw_handler import DrawHandler

@@ -6,8 +6,8 @@ in preview_field.py and preview_paths.py. The preview is off in background mode 
 
 The waves of a Wrinkle Field are drawn over Blender's own triangles. While all viewports draw them (uses_proxy()), the
 handlers write no attributes for shaders. A frame that the GPU computes from the frame before is solved on the CPU only
-when its result is needed (core/frame_cache.py). The folds of Wrinkle Paths change the shape. While all viewports draw
-them (uses_proxy()), the handlers do not write the fine mesh. Blender then has a coarse mesh just under the drawn
+when its result is needed (core/frame/frame_cache.py). The folds of Wrinkle Paths change the shape. While all viewports
+draw them (uses_proxy()), the handlers do not write the fine mesh. Blender then has a coarse mesh just under the drawn
 surface, for depth, outlines and clicks.
 """
 from __future__ import annotations
@@ -21,7 +21,7 @@ import gpu
 import numpy as np
 from mathutils import Matrix
 
-from ...core.engine import UserError
+from ...core.frame.engine import UserError
 from .. import compat, scheduler
 from ..objects import bodies, incoming_mesh, messages, modifier, runtimes, viewport_mesh, weight_paint
 from . import gpu_arrays, preview_field, preview_paths, studio_light

@@ -11,7 +11,7 @@ import bpy
 import gpu
 import numpy as np
 
-from ...core.wrinkle_field import WrinkleField
+from ...core.systems.wrinkle_field import WrinkleField
 from ..objects import runtimes, units
 from . import glsl, gpu_arrays
 from .gpu_arrays import Pass, Target, upload

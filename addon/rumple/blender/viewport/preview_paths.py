@@ -12,7 +12,7 @@ import bpy
 import gpu
 import numpy as np
 
-from ...core import engine
+from ...core.frame import engine
 from ..objects import incoming_mesh, mesh_reader, runtimes
 from . import glsl, gpu_arrays
 from .gpu_arrays import upload
