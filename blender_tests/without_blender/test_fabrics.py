@@ -6,7 +6,7 @@ import unittest
 from dataclasses import replace
 
 import numpy as np
-from rumple.core.cloth.base_cloth import BaseCloth, stiffness_over_cotton
+from rumple.core.cloth.base_cloth import BaseCloth, ClothInput, stiffness_over_cotton
 from rumple.core.cloth.layers import FINEST_HEM, layer_settings
 from rumple.core.settings.cloth_settings import ClothSettings
 from rumple.core.settings.fabrics import COTTON, FABRICS, GRAVITY
@@ -54,7 +54,7 @@ class Fabrics(unittest.TestCase):
         for length in (0.001, 0.016, 0.022, 0.04, 0.2):
             settings = ClothSettings(base_cloth="HANG", gravity=0.0, slack=1.0, room=0.05, bending_length=length)
             paint = {"follow": np.zeros(len(squeezed), np.float32)}
-            solved = cloth.solve(squeezed, settings, paint, None, None, None).positions
+            solved = cloth.solve(settings, paint, ClothInput(squeezed)).positions
             heights.append(float(np.ptp(solved[:, 2])))
         self.assertEqual(heights, sorted(heights))
         self.assertLess(heights[1], 1.002 * heights[0])

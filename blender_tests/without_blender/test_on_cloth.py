@@ -9,7 +9,7 @@ from unittest import mock
 
 import numpy as np
 from rumple import native
-from rumple.core.cloth.base_cloth import HANGING, BaseCloth, bend_radius
+from rumple.core.cloth.base_cloth import HANGING, BaseCloth, ClothInput, bend_radius
 from rumple.core.frame.engine import FrameResult, Wrinkles
 from rumple.core.mesh.body import Body
 from rumple.core.settings.cloth_settings import ClothSettings
@@ -322,7 +322,7 @@ class Legs(unittest.TestCase):
             drawn = base.positions.copy()
             drawn[:, 2] += 0.04 * np.clip(2.5 * (height - 0.6), 0.0, 1.0)
             cloth = BaseCloth(base.surface(True), base.diagonal(), 1.0)
-            way = cloth.solve(drawn, ClothSettings(base_cloth="HANG"), {}, None, None, None).positions - drawn
+            way = cloth.solve(ClothSettings(base_cloth="HANG"), {}, ClothInput(drawn)).positions - drawn
             self.assertGreater(way[height == 0.0, 2].min(), 0.028, radius)
             self.assertLess(np.abs(way[height > 0.99]).max(), 1e-3, radius)
 
@@ -338,7 +338,8 @@ class WideTube(unittest.TestCase):
         settings = ClothSettings(base_cloth=base_cloth, room=0.2, slide_room=0.2)
         follow = (mesh.positions[:, 2] == mesh.positions[:, 2].min()).astype(np.float32)
         cloth = BaseCloth(mesh.surface(True), 1.0 / unit_scale, unit_scale)
-        return cloth.solve(mesh.positions, settings, {"follow": follow}, self.LYING, None, None).positions * unit_scale
+        given = ClothInput(mesh.positions, self.LYING)
+        return cloth.solve(settings, {"follow": follow}, given).positions * unit_scale
 
     def test_hanging_it_turns_more_than_cloth_that_is_firm_everywhere(self) -> None:
         turned = self.hung()

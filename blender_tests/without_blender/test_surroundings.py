@@ -9,7 +9,7 @@ from typing import Any
 from unittest import mock
 
 import numpy as np
-from rumple.core.cloth.base_cloth import FIELD, BaseCloth
+from rumple.core.cloth.base_cloth import FIELD, BaseCloth, ClothInput
 from rumple.core.cloth.surroundings import Field, Surroundings, air_velocity, surroundings_of
 from rumple.core.settings.cloth_settings import ClothSettings
 from support.meshes import tube
@@ -141,7 +141,8 @@ class OnCloth(unittest.TestCase):
         paint = {"follow": np.zeros(surface.vertex_count, np.float32)}
         frame = None
         for seconds in (0.0, 1.0 / 60.0):
-            frame = cloth.solve(mesh.positions, settings, paint, world_from_object, None, frame, seconds, around)
+            given = ClothInput(mesh.positions, world_from_object, None, seconds, around)
+            frame = cloth.solve(settings, paint, given, frame)
         return frame.state.velocity @ world_from_object.T * unit_scale
 
     def check(self, fields: list[Field], acceleration: tuple[float, float, float]) -> None:

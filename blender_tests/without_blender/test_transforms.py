@@ -12,7 +12,7 @@ from rumple.core.base import transforms
 ADDON = Path(transforms.__file__).parents[2]
 # What a frame is solved from goes through these.
 SOLVED_FROM = ("core/base/triangles.py", "core/mesh/body.py", "core/mesh/rigid_parts.py", "core/paint/fold_guides.py",
-               "core/cloth/base_cloth.py", "core/cloth/on_cloth.py", "core/cloth/surroundings.py",
+               "core/cloth/base_cloth.py", "core/cloth/draped_cloth.py", "core/cloth/surroundings.py",
                "core/cloth/worn_at_rest.py", "blender/objects/bodies.py", "blender/objects/mesh_reader.py",
                "blender/objects/posed_coarse.py", "blender/objects/wind.py", "blender/objects/guide_curves.py",
                "blender/objects/bodies_at_rest.py")

@@ -9,7 +9,7 @@ import bpy
 import numpy as np
 
 from ...core.base import transforms
-from ...core.cloth.on_cloth import PAINTED
+from ...core.cloth.draped_cloth import PAINTED
 from ...core.frame import engine
 from ...core.paint.fold_guides import DIRECTION, GUIDES, KIND
 from ...core.paint.hangs_free import FREE

@@ -44,6 +44,17 @@ def size_factor(diagonal: float, unit_scale: float) -> float:
     return size / min(max(size, DOLL), GIANT) if size > 0.0 else 1.0
 
 
+@dataclass(frozen=True, eq=False)
+class ClothInput:
+    """What a frame moves the cloth with. n: vertices of the surface."""
+
+    positions: np.ndarray  # (n, 3) float32, animated, object space
+    world_from_object: np.ndarray | None = None  # (3, 3), for the direction of gravity; None: the identity
+    body: Body | None = None  # the cloth stays outside of it
+    seconds: float = 0.0  # since frame 0; read by swinging cloth, as the surroundings are
+    surroundings: Surroundings = Surroundings()
+
+
 @dataclass
 class ClothFrame:
     """The base cloth of one frame. The wrinkles are solved over it."""
@@ -77,6 +88,10 @@ class SwingInput:
     world_from_object: np.ndarray  # (3, 3) float64
     location: np.ndarray  # (3,) float64 of the object, world units
 
+    @property
+    def object_from_world(self) -> np.ndarray:
+        return transforms.inverse(self.world_from_object)
+
 
 class BaseCloth:
     """A garment's cloth and the collider of its body. It has no state: a solve gets the frame before and returns a new
@@ -97,26 +112,21 @@ class BaseCloth:
         self._painted: dict[str, np.ndarray] | None = None
         self._paint_settings = "", 0.0, 0.0
 
-    def solve(self, positions: np.ndarray, settings: ClothSettings, paint: dict[str, np.ndarray],
-              world_from_object: np.ndarray | None, body: Body | None, before: ClothFrame | None,
-              seconds: float = 0.0, surroundings: Surroundings = Surroundings()) -> ClothFrame:
-        """Solve one frame. positions: (n, 3) float32, animated, object space. world_from_object: (3, 3), for the
-        direction of gravity; None: the identity. before: the previous frame, or None. seconds: time since frame 0. Only
-        swinging cloth uses seconds and surroundings. Raises ValueError."""
-        world_from_object = _invertible(world_from_object)
-        object_from_world = transforms.inverse(world_from_object)
+    def solve(self, settings: ClothSettings, paint: dict[str, np.ndarray], given: ClothInput,
+              before: ClothFrame | None = None) -> ClothFrame:
+        """Solve one frame. before: the previous frame, or None. Raises ValueError."""
+        world_from_object, body = _invertible(given.world_from_object), given.body
         if paint is not self._painted or (settings.up, settings.room, settings.free_room) != self._paint_settings:
             self._take_paint(paint, settings)
         options = self._native_settings(settings, world_from_object)
-        frame = (self._paint, positions, self.collider(body), body.positions if body is not None else None,
+        frame = (self._paint, given.positions, self.collider(body), body.positions if body is not None else None,
                  before.state if before is not None else None)
         if settings.base_cloth != "SWING":
             return ClothFrame(*kernels.solve_base_cloth(self.model, options, *frame))
-        swing_input = SwingInput(seconds, world_from_object, np.array(surroundings.location, np.float64))
-        swing = self._swing(settings, object_from_world, swing_input, surroundings, before.swing_input if before
-                            else None)
-        forces = self._forces(settings, object_from_world, swing_input, surroundings, positions, before)
-        return ClothFrame(*kernels.swing_base_cloth(self.model, options, swing, *frame, forces), swing_input)
+        now = SwingInput(given.seconds, world_from_object, np.array(given.surroundings.location, np.float64))
+        swing = self._swing(settings, given.surroundings, now, before.swing_input if before is not None else None)
+        forces = self._forces(settings, given, now, before)
+        return ClothFrame(*kernels.swing_base_cloth(self.model, options, swing, *frame, forces), now)
 
     def collider(self, body: Body | None) -> Any:
         """The native collider of a body; None without a body. It is built again only if triangles or rest change."""
@@ -144,10 +154,11 @@ class BaseCloth:
         self._paint, self._painted = kernels.BaseClothPaint(self.model, values), paint
         self._paint_settings = settings.up, settings.room, settings.free_room
 
-    def _swing(self, settings: ClothSettings, object_from_world: np.ndarray, now: SwingInput,
-               surroundings: Surroundings, before: SwingInput | None) -> Any:
+    def _swing(self, settings: ClothSettings, surroundings: Surroundings, now: SwingInput,
+               before: SwingInput | None) -> Any:
         """The options of the native solver for swinging cloth. Stiffness is per mass, so the mass matters only for the
         air."""
+        object_from_world = now.object_from_world
         options = kernels.BaseClothSwing()
         options.longest_step = THIRTIETH / settings.substeps
         options.damping, options.locomotion = settings.swing_damping, settings.locomotion
@@ -164,19 +175,19 @@ class BaseCloth:
             options.place(turn.tolist(), shift.tolist())
         return options
 
-    def _forces(self, settings: ClothSettings, object_from_world: np.ndarray, now: SwingInput,
-                surroundings: Surroundings, positions: np.ndarray, before: ClothFrame | None) -> Any:
+    def _forces(self, settings: ClothSettings, given: ClothInput, now: SwingInput, before: ClothFrame | None) -> Any:
         """The forces of the force fields on every vertex, at its position in the previous frame. None without
         fields."""
-        if not surroundings.fields:
+        if not given.surroundings.fields:
             return None
         if before is not None and before.swing_input is not None:
             positions, at = before.positions, before.swing_input
         else:
-            at = now
+            positions, at = given.positions, now
         in_world = transforms.turned(at.world_from_object, positions) + at.location
-        effects = surroundings.effects(in_world.astype(np.float32))
+        effects = given.surroundings.effects(in_world.astype(np.float32))
         to_scale, of_mass = self.size_factor / self.unit_scale, FIELD / settings.mass
+        object_from_world = now.object_from_world
         return kernels.VertexForces(
             to_scale * _all_into_object(object_from_world, effects.air),
             to_scale * _all_into_object(object_from_world, of_mass * effects.push.astype(np.float64)),

@@ -144,7 +144,7 @@ def _check(arrays: Arrays, expected: tuple[tuple[str, tuple[int, ...], type], ..
 
 
 def _cloth_of(evaluator: Wrinkles, kept: Arrays, arrays: Arrays) -> ClothFrame:
-    stage, base = evaluator.base_cloth(), _below("base", arrays)
+    draped, base = evaluator.draped_cloth(), _below("base", arrays)
     swing, drape = _below("swing", arrays), _below("drape", arrays)
     count = evaluator.solved_surface.vertex_count
     hints = (count,) if base["body_hint"].size else (0,)
@@ -154,7 +154,7 @@ def _cloth_of(evaluator: Wrinkles, kept: Arrays, arrays: Arrays) -> ClothFrame:
         _check(swing, (("seconds", (), np.float64), ("world_from_object", (3, 3), np.float64),
                        ("location", (3,), np.float64)))
     return ClothFrame(
-        **base, state=kernels.BaseClothState.of(stage.cloth.model, kept), report=None,
+        **base, state=kernels.BaseClothState.of(draped.cloth.model, kept), report=None,
         swing_input=SwingInput(float(swing["seconds"]), swing["world_from_object"], swing["location"]) if swing
         else None,
-        drape=kernels.WrinkleLayersState.of(stage.drape.model, drape) if drape else None)
+        drape=kernels.WrinkleLayersState.of(draped.drape.model, drape) if drape else None)

@@ -15,8 +15,9 @@ from ...native import kernels
 from ...native.surface import Model
 from ..base import wording
 from ..base.digests import digest_of_paint, digest_of_settings
-from ..cloth.base_cloth import ClothFrame, suggested_follow
-from ..cloth.on_cloth import PAINTED, OnCloth, OnClothReport, Stage, State, cloth_of, system_state
+from ..cloth.base_cloth import ClothFrame, ClothInput, suggested_follow
+from ..cloth.draped_cloth import PAINTED, DrapedCloth
+from ..cloth.on_cloth import OnCloth, OnClothReport, State, cloth_of, system_state
 from ..cloth.surroundings import Surroundings
 from ..mesh.base_mesh import BaseMesh
 from ..mesh.body import Body, OwnSkin
@@ -64,7 +65,7 @@ class Wrinkles(SystemSteps):
         self._clip_labels = ClipLabels()
         self._paint: Any = None
         self._by_hand = ByHand()
-        self._stage: Stage | None = None
+        self._draped_cloth: DrapedCloth | None = None
         self.settings_are_keyed = True  # if False, different settings at another frame are a change by the artist too
         self._cloth_paint: dict[str, np.ndarray] = {}
 
@@ -203,9 +204,10 @@ class Wrinkles(SystemSteps):
         cloth = cloth_of(before)
         if cloth is not None and not same_settings:
             cloth = cloth.activated()
-        cloth = self.base_cloth().solve(settings, self._cloth_paint, positions, frame_input.world_from_object,
-                                        frame_input.body, cloth, not self._keeps_off_bodies(), frame_input.seconds,
-                                        frame_input.surroundings)
+        given = ClothInput(positions, frame_input.world_from_object, frame_input.body, frame_input.seconds,
+                           frame_input.surroundings)
+        cloth = self.draped_cloth().solve(settings, self._cloth_paint, given, cloth,
+                                          covers=not self._keeps_off_bodies())
         pose = self._pose(cloth.positions, frame_input)
         state, report = self._solve(settings, pose, own, same_settings, replace(frame_input, cloth=cloth))
         has_body, is_free = self._has_other_body(frame_input.body), settings.base_cloth != "OFF"
@@ -223,13 +225,13 @@ class Wrinkles(SystemSteps):
         made_of, pose = self._last_pose
         return pose if made_of is not None and np.array_equal(made_of, over) else over
 
-    def base_cloth(self) -> Stage:
-        """The stage that solves the base cloth. It is built once."""
-        if self._stage is None:
-            self._stage = Stage(self.solved_surface, self.base.diagonal(), self.unit_scale,
-                                lambda up: self._where_solved(suggested_follow(self._cloth_surface, up)),
-                                0.0 if self.outer is None else self.outer.thickness)
-        return self._stage
+    def draped_cloth(self) -> DrapedCloth:
+        """What solves the base cloth. It is built once."""
+        if self._draped_cloth is None:
+            self._draped_cloth = DrapedCloth(self.solved_surface, self.base.diagonal(), self.unit_scale,
+                                             lambda up: self._where_solved(suggested_follow(self._cloth_surface, up)),
+                                             0.0 if self.outer is None else self.outer.thickness)
+        return self._draped_cloth
 
     def suggested_follow(self, settings: Any) -> np.ndarray:
         """(n,) float32: how firmly the base cloth follows the animation while nothing is painted. New paint starts with

@@ -360,7 +360,7 @@ class WrinkleMesh(Wrinkles):
     def _contact(self, settings: MeshSettings, frame_input: FrameInput) -> dict[str, Any]:
         """The collision arguments that keep layers off bodies under the base cloth."""
         cloth = frame_input.cloth
-        return {} if cloth is None else self.base_cloth().contact(cloth, settings, frame_input.body)
+        return {} if cloth is None else self.draped_cloth().contact(cloth, settings, frame_input.body)
 
     def _show(self, settings: MeshSettings, positions: np.ndarray, pose: Any, state: Any,
               frame_input: FrameInput) -> FrameResult:
