@@ -33,7 +33,7 @@ def process(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
         return
     evaluated = first_pass.seconds_evaluated()
     with LOCK:
-        objects = bodies.in_order([pair for pair in modifier.wrinkled_objects() if first_pass.is_needed(*pair)])
+        objects = [pair for pair in modifier.wrinkled_objects() if first_pass.is_needed(*pair)]
         late = {obj for obj, nodes_mod in objects if _is_late(obj, nodes_mod)}
         try:
             if scheduler.allowed_now() and (changes.takes_converted() or any(

@@ -240,7 +240,7 @@ def _surface(obj: bpy.types.Object, evaluated: bpy.types.Object, body: bpy.types
 
 def _folded(body: bpy.types.Object, frame: float) -> Body | None:
     """The solved surface in this frame of a garment that is worn under another one. It is solved first: see
-    in_order()."""
+    in_levels()."""
     nodes_mod, runtime = modifier.find(body), runtimes.known(body)
     if (nodes_mod is None or runtime is None or runtime.evaluator is None or runtime.message
             or modifier.is_baked(nodes_mod)):
