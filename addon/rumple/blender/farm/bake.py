@@ -207,7 +207,8 @@ def show_needed(obj: bpy.types.Object, files: str, all_frames: bool = True) -> l
     """Make the objects under a garment play their clips, as in a bake of all objects. Returns the names of those
     without a clip, which are solved live. all_frames: raise BakeError if a clip does not cover the frames of the
     bake."""
-    live, (start, end) = [], units.bake_range(obj, bpy.context.scene)
+    live = []
+    start, end = units.bake_range(obj, bpy.context.scene)
     for name in _all_needed(obj):
         other = bpy.data.objects[name]
         manifest = whole_clip(other, source.of_garment(other, files), any_frames=True)

@@ -298,7 +298,7 @@ def play(garment: bpy.types.Object, about: Manifest, path: str) -> None:
             _set_capacity(child.data, about.points // ROWS)
             cache = modifier.add_mesh_cache(child, about, path)
             cache.interpolation = "NONE"  # between two samples the curves may differ, so they only follow the pose
-            cache.show_viewport = False  # where it stands now, it gets other points, and Blender prints an error
+            cache.show_viewport = False  # while it is the last one, the points differ in number: an error is printed
             compat.move_modifier(child, len(child.modifiers) - 1, 0)
             modifier.mesh_cache(child).show_viewport = True
 

@@ -36,7 +36,7 @@ def process(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
         objects = [pair for pair in modifier.wrinkled_objects() if first_pass.is_needed(*pair)]
         late = {obj for obj, nodes_mod in objects if _is_late(obj, nodes_mod)}
         try:
-            if scheduler.allowed_now() and (changes.takes_converted() or any(
+            if scheduler.allowed_now() and (changes.take_converted() or any(
                     _needs_structure(obj, nodes_mod) for obj, nodes_mod in objects)):
                 _rebuild_here(objects, depsgraph)
             written = _solve_levels([pair for pair in objects if pair[0] not in late], objects, scene, depsgraph)

@@ -103,15 +103,17 @@ def _maps(mesh: bpy.types.Mesh, before: np.ndarray, now: np.ndarray,
     for part in parts:
         own = applied
         if len(part) >= LEAST and not fits[part].all():
-            still = np.abs(before[part] - now[part]).max() <= _tolerance(now)
-            own = None if still else transforms.affine_between(before[part], now[part])
-            own = applied if own is None and not still else own  # it was also edited
+            if np.abs(before[part] - now[part]).max() <= _tolerance(now):
+                continue  # it was not moved
+            of_part = transforms.affine_between(before[part], now[part])
+            own = applied if of_part is None else of_part  # none: it was also edited
         if own is not None:
             found.append((part, own))
     return found
 
 
 def _tolerance(places: np.ndarray) -> float:
+    """How far from its place a vertex may be that a map has moved."""
     return float(transforms.FITTING * np.sqrt((np.ptp(places, axis=0) ** 2).sum()))
 
 

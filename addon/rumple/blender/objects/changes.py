@@ -35,7 +35,7 @@ def settings_changed(obj: bpy.types.Object, affects: str, structural: bool) -> N
 
 # ---------------------------------------------------------------- what an update touched
 _animation_alone = False  # during the evaluation of a frame: whether no vertex group was edited before it
-_converted = False  # see takes_converted()
+_converted = False  # see take_converted()
 _missed = False  # whether an update was not looked at since the last frame that was
 
 
@@ -90,15 +90,15 @@ def note_updates(depsgraph: bpy.types.Depsgraph) -> None:
                     runtime.forget_paint()  # an edit of vertex groups may list only the object, as animation does
 
 
-def takes_converted() -> bool:
-    """Whether an object was converted to a mesh since the last call: traces of its wrinkles are to be removed."""
+def take_converted() -> bool:
+    """Whether an object was converted to a mesh since the last call: what its wrinkles left on it must be removed."""
     global _converted
     found, _converted = _converted, False
     return found
 
 
 def _note_converted(depsgraph: bpy.types.Depsgraph) -> None:
-    """Object > Convert to Mesh, and Blender's own Apply, take the modifier away and leave its method."""
+    """Object > Convert to Mesh, and Blender's own Apply, remove the modifier. The object's method stays as it was."""
     global _converted
     for update in depsgraph.updates:
         if update.is_updated_geometry and isinstance(update.id, bpy.types.Object):

@@ -33,8 +33,8 @@ def _now(obj: bpy.types.Object) -> tuple[int, int]:
 
 
 def keep(obj: bpy.types.Object, scene: bpy.types.Scene, start: int, end: int) -> None:
-    """Called after a bake: its range stays when the scene's range changes. Not if only a part of the clip was baked,
-    because the clip still begins before it."""
+    """Called after a bake of these frames: they stay its range when the scene's range changes. Not if only a part of
+    the clip was baked, because the clip still begins before it."""
     about = obj.rumple
     if about.bake_scene_range and start <= units.first_frame(obj, scene):
         about.bake_start, about.bake_end = start, end

@@ -17,7 +17,8 @@ from .runtimes import Runtime
 
 def follow(obj: bpy.types.Object, runtime: Runtime, settings: Any) -> None:
     """Called when runtime.paint was read: compare it with what was read before."""
-    names, groups = mesh_reader.paint_groups(settings), [group.name for group in obj.vertex_groups]
+    names = mesh_reader.paint_groups(settings)
+    groups = [group.name for group in obj.vertex_groups]
     in_use = {name for key, name in names.items() if key in runtime.paint}
     for name in runtime.maps_in_use - in_use:
         runtime.lost_maps[name] = _new_name(name, runtime.groups_read, groups)

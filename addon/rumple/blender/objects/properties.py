@@ -216,8 +216,8 @@ class RUMPLE_Object(bpy.types.PropertyGroup):
                                       update=_range_edited("bake_start"), description="First frame that is baked")
     bake_end: bpy.props.IntProperty(name="End", default=250, options=set(), override=_OVERRIDE,
                                     update=_range_edited("bake_end"), description="Last frame that is baked")
-    # Hidden. The frames that the clip has while it follows the scene: see clip_range.py.
-    bake_known_range: bpy.props.IntVectorProperty(size=2, name="Scene Range", override=_OVERRIDE)
+    # The frames that the clip has while it follows the scene: see clip_range.py.
+    bake_known_range: bpy.props.IntVectorProperty(size=2, name="Scene Range", options={"HIDDEN"}, override=_OVERRIDE)
     bake_samples: bpy.props.IntProperty(name="Samples", default=1, min=1, max=16, options=set(), override=_OVERRIDE,
                                         description="Solves for each frame. 1 is right for most; more make motion blur "
                                                     "follow fast turns")
