@@ -66,6 +66,23 @@ class Dense(unittest.TestCase):
         self.assertLess(max(abs(height - heights[0]) for height in heights), 0.5 * heights[0], heights)
         self.assertGreater(min(heights), 0.002)
 
+    def test_a_mesh_with_narrow_faces_is_solved_on_even_ones(self) -> None:
+        """Sleeves are modelled with faces of 8 by 50 mm. On these, folds along the sleeve would be 8 mm wide, and there
+        would be none across it."""
+        even, narrow = sleeve(21, 17), sleeve(80, 10)
+        self.assertGreater(narrow.mean_edge(), 0.02)  # not dense in the mean
+        for base, share in ((even, 0.0), (narrow, 1.0)):
+            self.assertEqual(base.share_narrower_than(0.02), share)
+            mesh = WrinkleMesh.build(base, settings_of(base))
+            self.assertEqual(mesh.coarse is not None, share > 0.0)
+
+    def test_the_width_of_a_triangle_is_its_height(self) -> None:
+        """As that of a quad, it is the distance of sides that face each other: of one side from the opposite corner."""
+        corner = np.array(((0.0, 0.0, 0.0), (2.0, 0.0, 0.0), (1.0, 0.5, 0.0)), np.float32)
+        base = BaseMesh("one", corner, np.array((0, 3), np.int32), np.arange(3, dtype=np.int32),
+                        np.array(((0, 1, 2),), np.int32))
+        self.assertEqual([base.share_narrower_than(width) for width in (0.499, 0.501)], [0.0, 1.0])
+
     def test_a_part_that_is_denser_leaves_the_rest_no_coarser(self) -> None:
         """A face in the mesh of its clothes has most of the edges: the clothes were shown as they were modelled. Here a
         sleeve with edges of 15 mm ends in a cuff whose 40 rings lie 0.25 mm apart."""
@@ -176,8 +193,8 @@ class Kept(unittest.TestCase):
     def test_a_thing_that_is_too_small(self) -> None:
         base = tube(80, 62)
         small = replace(base, positions=np.ascontiguousarray(0.001 * base.positions, np.float32))
-        far = small.positions.copy()
-        far[0] = (100.0, 0.0, 0.0)  # so large a bounding box that nothing on it is dense
+        # with a loose vertex so far away that the whole mesh is smaller than a coarse edge
+        far = np.concatenate([small.positions, np.array(((100.0, 0.0, 0.0),), np.float32)])
         mesh = WrinkleMesh.build(replace(small, positions=far), settings_of(base))
         self.assertIsNone(mesh.coarse)
 

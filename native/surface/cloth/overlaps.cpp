@@ -19,11 +19,10 @@ constexpr float kSameWay = 0.5f, kAbove = 0.7f;
 class Search {
   public:
     explicit Search(const Surface& surface)
-        : surface_(surface), rest_(surface.positions_rest), normals_(vertex_normals(surface, rest_)) {
-        DisjointSets sets(surface.welded.vertex_count);
-        for (const Edge& edge : surface.edges) sets.unite(edge.a, edge.b);
-        part_ = sets.roots();
-    }
+        : surface_(surface),
+          rest_(surface.positions_rest),
+          normals_(vertex_normals(surface, rest_)),
+          part_(connected_parts(surface)) {}
 
     bool has_several_parts() const {
         const Index triangles = static_cast<Index>(surface_.triangles.size());

@@ -10,6 +10,7 @@
 #include "base/stop.h"
 #include "base/tolerances.h"
 #include "surface/mesh/checks.h"
+#include "surface/mesh/disjoint_sets.h"
 #include "surface/mesh/weld.h"
 #include "surface/query/bounds.h"
 
@@ -202,6 +203,12 @@ OneRings one_rings(const Surface& surface) {
         rings.start.push_back(static_cast<Index>(rings.vertex.size()));
     }
     return rings;
+}
+
+std::vector<Index> connected_parts(const Surface& surface) {
+    DisjointSets sets(surface.welded.vertex_count);
+    for (const Edge& edge : surface.edges) sets.unite(edge.a, edge.b);
+    return sets.roots();
 }
 
 NearTriangles near_triangles(const Surface& surface) {

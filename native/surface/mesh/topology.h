@@ -103,6 +103,9 @@ struct OneRings {
 };
 OneRings one_rings(const Surface& surface);
 
+// The connected part of every welded vertex: its lowest vertex. Cost: O(edges).
+std::vector<Index> connected_parts(const Surface& surface);
+
 // For every triangle t, those that share a welded vertex with it, itself included, ascending:
 // triangle[start[t]] to triangle[start[t + 1] - 1]. Cost: O(triangles x valence log valence).
 struct NearTriangles {

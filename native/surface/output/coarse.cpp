@@ -5,10 +5,12 @@
 #include <array>
 #include <limits>
 #include <map>
+#include <numeric>
 #include <queue>
 #include <set>
 
 #include "base/expect.h"
+#include "surface/mesh/disjoint_sets.h"
 #include "surface/mesh/edge_graph.h"
 #include "surface/mesh/positions.h"
 #include "surface/output/attachments.h"
@@ -27,6 +29,15 @@ constexpr float kStraight = 0.6f;
 // Number of corrections of the cage until the smooth surface passes through the dense mesh. Each leaves about
 // half of the error.
 constexpr int kCorrections = 6;
+
+// A mesh whose sides are longer than kDense * spacing is subdivided until they are at most kFine * spacing.
+// Among fewer vertices to choose from, triangles would be as long and as thin as the polygons of the mesh.
+constexpr float kDense = 0.75f, kFine = 0.4f;
+constexpr Index kMostCorners = 400'000;  // of the subdivided mesh: about 0.3 s
+
+// A part of the mesh with less area than this times spacing^2 (a button, a torn piece) has no vertices of its
+// own. It moves along with the cloth under it, and does not fall.
+constexpr float kSmallPart = 4.0f;
 
 // The graph of the sides of triangles, and of both diagonals of quads, so that distances do not depend on how
 // a quad is cut.
@@ -127,16 +138,98 @@ std::vector<Corners> triangles_between(const Surface& surface, std::span<const I
     return out;
 }
 
-Surface surface_of(std::span<const Vec3> positions, const std::vector<Corners>& triangles) {
-    std::vector<Index> start{0}, vertex, corner;
-    for (const auto& triangle : triangles) {
-        for (const Index v : triangle) {
-            corner.push_back(static_cast<Index>(vertex.size()));
-            vertex.push_back(v);
-        }
-        start.push_back(static_cast<Index>(vertex.size()));
+// Without the triangles of small parts, unless there are no others.
+std::vector<Corners> without_small_parts(const std::vector<Corners>& triangles,
+                                         std::span<const Vec3> positions, float spacing) {
+    DisjointSets sets(static_cast<Index>(positions.size()));
+    for (const auto& [a, b, c] : triangles) sets.unite(a, b), sets.unite(b, c);
+    std::vector<double> area(positions.size(), 0.0);
+    for (const auto& [a, b, c] : triangles) {
+        const Vec3 ab = positions[b] - positions[a], ac = positions[c] - positions[a];
+        area[sets.find(a)] += 0.5 * double(glm::length(glm::cross(ab, ac)));
     }
-    return build_surface({positions, start, vertex, corner, false});
+    std::vector<Corners> out;
+    for (const Corners& triangle : triangles)
+        if (area[sets.find(triangle[0])] >= double(kSmallPart * spacing * spacing)) out.push_back(triangle);
+    return out.empty() ? triangles : out;
+}
+
+// polygons: triangles and quads, whose triangles meet at the first and the third corner.
+Surface surface_of(std::span<const Vec3> positions, const PolygonMesh& polygons) {
+    std::vector<Index> triangle_corner;
+    for (Index p = 0; p < polygons.polygons(); ++p) {
+        for (Index k = 1; k + 1 < polygons.polygon_size(p); ++k) {
+            const Index first = polygons.polygon_start[p];
+            triangle_corner.insert(triangle_corner.end(), {first, first + k, first + k + 1});
+        }
+    }
+    return build_surface({positions, polygons.polygon_start, polygons.corner_vertex, triangle_corner, false});
+}
+
+Surface surface_of(std::span<const Vec3> positions, const std::vector<Corners>& triangles) {
+    PolygonMesh polygons;
+    for (const auto& triangle : triangles) {
+        polygons.corner_vertex.insert(polygons.corner_vertex.end(), triangle.begin(), triangle.end());
+        polygons.polygon_start.push_back(polygons.corners());
+    }
+    return surface_of(positions, polygons);
+}
+
+// The column with the largest weight in a row; of equal ones the first.
+Index largest(const SparseRows& rows, Index r) {
+    const auto from = rows.weight.begin() + rows.start[r];
+    return rows.index[std::max_element(from, rows.weight.begin() + rows.start[r + 1]) - rows.weight.begin()];
+}
+
+// The mean length of the sides of the triangle around a random point of the surface.
+float side_by_area(const Surface& surface) {
+    double sum = 0.0, area = 0.0;
+    for (Index t = 0; t < Index(surface.triangles.size()); ++t) {
+        const auto [u, v, w] = welded_vertices(surface, t);
+        const Vec3 a = surface.positions_rest[u], b = surface.positions_rest[v],
+                   c = surface.positions_rest[w];
+        const double twice = glm::length(glm::cross(b - a, c - a));
+        sum += twice * (glm::distance(a, b) + glm::distance(b, c) + glm::distance(c, a)) / 3.0;
+        area += twice;
+    }
+    return area > 0.0 ? float(sum / area) : 0.0f;
+}
+
+// The vertices that samples are chosen among: those of the dense mesh or, if it is not so dense, of its
+// smooth surface.
+struct Candidates {
+    Surface surface;
+    SparseRows from_dense;            // positions <- welded vertices of the dense mesh
+    std::vector<Index> dense_vertex;  // the nearest welded vertex of the dense mesh
+};
+
+// How often the mesh must be subdivided.
+Index levels_for(const Surface& dense, float spacing) {
+    Index levels = 0;
+    float side = side_by_area(dense);
+    if (side <= kDense * spacing) return levels;
+    for (double corners = 4.0 * dense.welded.corners(); side > kFine * spacing && corners <= kMostCorners;
+         corners *= 4.0, side /= 2.0f)
+        ++levels;
+    return levels;
+}
+
+Candidates candidates_of(const Surface& dense, float spacing) {
+    const Index levels = levels_for(dense, spacing);
+    if (levels == 0) {
+        std::vector<Index> same(dense.welded.vertex_count);
+        std::iota(same.begin(), same.end(), 0);
+        return {dense, identity_rows(dense.welded.vertex_count), std::move(same)};
+    }
+    Candidates out;
+    const FineMesh fine = refine_subdivision(dense.welded, levels);
+    out.from_dense = subdivision_stencils(dense.welded, levels, true);
+    std::vector<Vec3> rest(out.from_dense.rows());
+    apply<Vec3>(out.from_dense, dense.positions_rest, rest);
+    out.surface = surface_of(rest, fine.mesh);
+    for (Index v = 0; v < fine.vertex_from_parent.rows(); ++v)
+        out.dense_vertex.push_back(largest(fine.vertex_from_parent, v));
+    return out;
 }
 
 float mean_edge(const Surface& surface) {
@@ -186,26 +279,31 @@ std::vector<Index> corners_of_borders(const Surface& surface) {
 
 std::shared_ptr<const CoarseMesh> build_coarse(const Surface& dense, float spacing) {
     if (!(spacing > 0.0f)) throw InvalidInput("spacing: expected above 0, got " + std::to_string(spacing));
-    Cells cells(dense);
-    std::vector<bool> is_loose(dense.welded.vertex_count, true);
-    for (const Index v : dense.welded.corner_vertex) is_loose[v] = false;
+    const Candidates candidates = candidates_of(dense, spacing);
+    const Surface& fine = candidates.surface;
+    Cells cells(fine);
+    std::vector<bool> is_loose(fine.welded.vertex_count, true);
+    for (const Index v : fine.welded.corner_vertex) is_loose[v] = false;
     std::vector<Index> border, all;
-    for (Index v = 0; v < dense.welded.vertex_count; ++v) {
-        if (dense.boundary_vertex[v]) border.push_back(v);
+    for (Index v = 0; v < fine.welded.vertex_count; ++v) {
+        if (fine.boundary_vertex[v]) border.push_back(v);
         if (!is_loose[v]) all.push_back(v);
     }
-    cells.sample(corners_of_borders(dense), kRadius * spacing);
+    cells.sample(corners_of_borders(fine), kRadius * spacing);
     cells.sample(border, kRadius * spacing);
     cells.sample(all, kRadius * spacing);
-    const auto triangles = triangles_between(dense, cells.owner);
+    auto triangles = triangles_between(fine, cells.owner);
     if (triangles.empty())
         throw InvalidInput("the mesh is too small for a spacing of " + std::to_string(spacing));
     auto out = std::make_shared<CoarseMesh>();
     std::vector<Vec3> rest;
     for (const Index v : cells.samples) {
-        rest.push_back(dense.positions_rest[v]);
-        out->dense_vertex.push_back(dense.representative[v]);
+        rest.push_back(fine.positions_rest[v]);
+        out->from_dense.append_row(candidates.from_dense, v);
+        out->dense_vertex.push_back(dense.representative[candidates.dense_vertex[v]]);
     }
+    out->from_dense.fit();
+    triangles = without_small_parts(triangles, rest, spacing);
     const Surface through = surface_of(rest, triangles);
     out->limit = vertex_limit_stencils(through);
     out->surface = surface_of(cage_around(through, out->limit, rest), triangles);
@@ -217,8 +315,8 @@ std::vector<Vec3> coarse_positions(const CoarseMesh& coarse, const Surface& dens
                                    std::span<const Vec3> positions) {
     check_frame(dense, positions);  // needed also without coarse vertices
     const std::vector<Vec3> welded = weld_positions(dense, positions);
-    std::vector<Vec3> wanted;
-    for (const Index v : coarse.dense_vertex) wanted.push_back(welded[dense.welded_of[v]]);
+    std::vector<Vec3> wanted(coarse.from_dense.rows());
+    apply<Vec3>(coarse.from_dense, welded, wanted);
     return cage_around(coarse.surface, coarse.limit, wanted);
 }
 

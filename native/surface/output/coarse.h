@@ -14,17 +14,18 @@ namespace rumple {
 
 // Built once at rest, then immutable.
 struct CoarseMesh {
-    Surface surface;  // triangles; its smooth (limit) surface passes through the dense mesh
-    std::vector<Index>
-        dense_vertex;        // per vertex of `surface`: a vertex of the dense mesh, as the artist has it
-    float mean_edge = 0.0f;  // object units
-    SparseRows limit;        // limit position <- vertices; empty rows for vertices without a triangle
+    Surface surface;                  // triangles; its smooth (limit) surface passes through the dense mesh
+    SparseRows from_dense;            // where the smooth surface passes <- welded vertices of the dense mesh
+    std::vector<Index> dense_vertex;  // per vertex of `surface`: the vertex of the dense mesh, as the artist
+                                      // has it, that is nearest to it along the edges
+    float mean_edge = 0.0f;           // object units
+    SparseRows limit;  // limit position <- vertices; empty rows for vertices without a triangle
 };
 
-// spacing: about the mean length of its edges, object units, > 0. Cells that are as wide as the mesh (a
-// narrow strap) make no triangles. Loose vertices make none either. Throws InvalidInput if the result has no
-// triangle. Cost: about O(vertices x log vertices x log coarse vertices), plus the cost of limit_stencils()
-// at the coarse vertices.
+// spacing: about the mean length of its edges, object units, > 0. A mesh whose edges are not much shorter is
+// subdivided first. Cells that are as wide as the mesh (a narrow strap) make no triangles. Loose vertices
+// make none either. Throws InvalidInput if the result has no triangle. Cost: about O(vertices x log vertices
+// x log coarse vertices), plus the cost of limit_stencils() at the coarse vertices.
 std::shared_ptr<const CoarseMesh> build_coarse(const Surface& dense, float spacing);
 
 // Computes positions of the coarse vertices, such that the smooth surface of the coarse mesh passes through

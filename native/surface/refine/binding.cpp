@@ -120,13 +120,18 @@ std::vector<SurfacePoint> locate_on_parents(const Surface& surface, const FineMe
 }
 
 std::vector<SurfacePoint> closest_points(const Surface& surface, std::span<const Vec3> queries,
-                                         std::span<float> distance) {
+                                         std::span<float> distance, std::span<const Index> part_of_triangle,
+                                         std::span<const Index> part_of_query) {
     assert(distance.size() == queries.size());
     const TriangleTree tree(surface);
     std::vector<SurfacePoint> places(queries.size());
     const SolveTeam team(0, queries.size(), kQueriesForTeam);
     for_each_index(queries.size(), kLeastSearches, [&](size_t i) {
-        const TrianglePoint point = tree.closest(queries[i]);
+        const Index part = part_of_query.empty() ? kNone : part_of_query[i];
+        const TrianglePoint point = tree.closest_within(
+            queries[i], std::numeric_limits<double>::infinity(),
+            [&](Index triangle) { return part == kNone || part_of_triangle[triangle] == part; },
+            [](const TrianglePoint&) { return true; });
         places[i] = point.place;
         distance[i] = static_cast<float>(std::sqrt(point.squared_distance));
     });

@@ -69,8 +69,11 @@ std::vector<SurfacePoint> locate_on_parents(const Surface& surface, const FineMe
 // Closest point on the whole surface at rest for every query (an artist's own
 // mesh), by a bounding volume hierarchy; ties go to the lowest triangle index.
 // distance gets object units. Cost: O(log triangles) a query.
+// part_of_triangle, part_of_query: a query only finds triangles of the same part; kNone: of any. Empty: all do.
 std::vector<SurfacePoint> closest_points(const Surface& surface, std::span<const Vec3> queries,
-                                         std::span<float> distance);
+                                         std::span<float> distance,
+                                         std::span<const Index> part_of_triangle = {},
+                                         std::span<const Index> part_of_query = {});
 
 // Limit-surface stencils at arbitrary places of the base: row i gives the
 // position of places[i] from the welded vertices (Catmull-Clark, or Loop when

@@ -90,6 +90,7 @@ def suggested_wavelength(base: BaseMesh, unit_scale: float) -> float:
 COARSE_EDGE = 0.03  # metres, edges of the coarse mesh of an adult's garment: its widest folds have five of them
 WIDE = 0.1  # metres: if the finest folds are this wide, and for every skirt, the coarse edges are twice as long
 DENSE = 2.0 / 3.0  # relative to COARSE_EDGE: a base with shorter edges is solved on a coarse mesh instead
+UNEVEN = 0.1  # ... and so is a base if faces that are narrower than this have more than this share of its area
 # Metres: the finest folds of an adult's cotton garment. Cloth that hangs free has few, wide folds.
 CLOTH_WAVELENGTH, SKIRT_WAVELENGTH = 0.04, 0.14
 # finest folds of a sheet like a scarf: least width; width / diagonal (at most a skirt's)
@@ -133,7 +134,8 @@ def coarse_mesh(base: BaseMesh, settings: MeshSettings, surface: Any, unit_scale
     by_wavelength, cloth = settings.density == "WAVELENGTH", base if outer is None else outer.mesh
     wide = by_wavelength and (settings.wavelength >= WIDE * size or is_flared(cloth, direction_of(settings.up)))
     spacing = COARSE_EDGE * size * (2.0 if wide else 1.0)
-    dense = base.mean_edge() * unit_scale < DENSE * spacing
+    limit = DENSE * spacing / unit_scale
+    dense = base.mean_edge() < limit or base.share_narrower_than(limit) > UNEVEN
     if outer is None and not (dense and by_wavelength and settings.base_cloth != "OFF"):
         return None
     try:
