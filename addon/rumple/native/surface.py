@@ -136,7 +136,7 @@ class CoarseMesh(Handle):
 
     surface: Surface  # its triangles
     dense: Surface
-    dense_vertex = Array("(m,) int32: of every vertex a vertex of the dense mesh", INT, "vertex_count")
+    dense_vertex = Array("(m,) int32: of every vertex the nearest vertex of the dense mesh", INT, "vertex_count")
     mean_edge = Number("mean length of its edges, object units")
 
     def positions(self, dense: Surface, positions: np.ndarray) -> np.ndarray:

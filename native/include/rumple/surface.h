@@ -119,8 +119,8 @@ RUMPLE_API rumple_status rumple_surface_suggest_follow(const rumple_surface* sur
 // vertices, however dense the modelled mesh is. Peyre and Cohen 2006. m vertices.
 typedef struct rumple_coarse rumple_coarse;
 
-// spacing: approximate mean edge length, object units, > 0. Refused: a mesh that is too small for it. Cost:
-// 20 ms for 10,000 vertices.
+// spacing: approximate mean edge length, object units, > 0. A mesh with edges that are not much shorter is
+// subdivided first. Refused: a mesh that is too small for it. Cost: 20 ms for 10,000 vertices.
 RUMPLE_API rumple_status rumple_coarse_build(const rumple_surface* dense, float spacing,
                                              rumple_coarse** coarse);
 // The same for a part of the dense mesh, for example its outer side. part: a surface with some of the
@@ -132,7 +132,7 @@ RUMPLE_API void rumple_coarse_free(rumple_coarse* coarse);
 typedef struct rumple_coarse_view {
     int32_t vertex_count;         // m
     float mean_edge;              // mean length of its edges, object units
-    const int32_t* dense_vertex;  // (m): for every vertex its vertex of the dense mesh
+    const int32_t* dense_vertex;  // (m): for every vertex the nearest vertex of the dense mesh
 } rumple_coarse_view;
 RUMPLE_API rumple_status rumple_coarse_get_view(const rumple_coarse* coarse, rumple_coarse_view* view);
 

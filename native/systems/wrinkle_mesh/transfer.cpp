@@ -4,26 +4,11 @@
 #include <set>
 
 #include "base/expect.h"
-#include "base/smooth_step.h"
 #include "base/solve_team.h"
 #include "systems/wrinkle_mesh/pose.h"
 
 namespace rumple::wrinkle_mesh {
 namespace {
-
-// Unit: edges of the coarse mesh. Vertices within kNear of it move fully with it, vertices beyond kFar do not
-// move.
-constexpr float kNear = 1.0f, kFar = 2.0f;
-
-// Unit: edges of the coarse mesh. Vertices that lie within kBeside of it at rest lie beside it in every pose,
-// vertices beyond kApart follow their neighbours.
-constexpr float kBeside = 0.15f, kApart = 0.5f;
-
-// Passes in which vertices that are not beside it follow their neighbours.
-constexpr int kPasses = 8;
-
-// Corrections of the vertices until the smooth surface passes where they should be.
-constexpr int kCorrections = 6;
 
 // The finest layer is as fine as the folds, so an accuracy of a thousandth of its edges is enough.
 constexpr Index kFinestLimitLevels = 2;
@@ -73,125 +58,49 @@ Nearest nearest_on(const Finest& finest, std::span<const Vec3> points, std::span
     return out;
 }
 
-// The rows from `first` on, times a share of each that falls from 1 at the distance `near` to 0 at `far`.
-SparseRows faded(const Nearest& nearest, Index first, Index count, float near, float far,
-                 std::vector<float>* shares = nullptr) {
+SparseRows rows_between(const SparseRows& rows, size_t from, size_t to) {
     SparseRows out;
-    for (Index r = first; r < first + count; ++r) {
-        const float share = 1.0f - smooth_step(near, far, nearest.distance[r]);
-        for (Index k = nearest.rows.start[r]; share > 0.0f && k < nearest.rows.start[r + 1]; ++k)
-            out.add(nearest.rows.index[k], share * nearest.rows.weight[k]);
+    for (size_t r = from; r < to; ++r) out.append_row(rows, Index(r));
+    return out;
+}
+
+// The rows by which attach() weighs the welded vertices.
+SparseRows attachment_rows(const Surface& dense, const Attachments& attachments) {
+    if (attachments.kind == AttachmentKind::kLimit) return attachments.limit;
+    SparseRows out;
+    for (const SurfacePoint& place : attachments.places) {
+        const auto [a, b, c] = welded_vertices(dense, place.triangle);
+        out.add(a, 1.0f - place.b0 - place.b1), out.add(b, place.b0), out.add(c, place.b1);
         out.end_row();
-        if (shares) shares->push_back(share);
     }
     return out;
 }
 
-// The frame of a vertex: its normal, and a tangent towards a neighbour. Zero where these are parallel.
-TriangleFrame frame_at(std::span<const Vec3> positions, std::span<const Vec3> normals, Index v, Index along) {
-    TriangleFrame frame;
-    if (along == kNone) return frame;
-    const Vec3 side = positions[along] - positions[v];
-    const Vec3 tangent = side - glm::dot(side, normals[v]) * normals[v];
-    const float length = glm::length(tangent);
-    if (!(length > 0.1f * glm::length(side))) return frame;
-    frame.normal = normals[v], frame.tangent = tangent / length;
-    frame.bitangent = glm::cross(frame.normal, frame.tangent);
-    return frame;
-}
-
-// For the vertices with a share below 1: what is left of it, shared out among their neighbours.
-void find_neighbours(const Surface& base, Beside& beside) {
-    std::vector<std::vector<Index>> around(base.positions_rest.size());
-    for (const Edge& e : base.edges) around[e.a].push_back(e.b), around[e.b].push_back(e.a);
-    for (Index v = 0; v < Index(around.size()); ++v) {
-        beside.along.push_back(around[v].empty() ? kNone : around[v].front());
-        if (beside.share[v] >= 1.0f || around[v].empty()) continue;
-        beside.partly.push_back(v);
-        for (const Index other : around[v])
-            beside.from_neighbours.add(other, (1.0f - beside.share[v]) / float(around[v].size()));
-        beside.from_neighbours.end_row();
-    }
-}
-
-// nearest: its rows from `first` on are those of smooth_rest, where the smooth surface passes the vertices.
-Beside lies_beside(const Surface& base, SparseRows smooth, std::span<const Vec3> smooth_rest,
-                   const Nearest& nearest_all, Index first, const Finest& finest) {
-    Beside out;
-    out.smooth = std::move(smooth);
-    out.nearest = faded(nearest_all, first, Index(smooth_rest.size()), kBeside * finest.edge,
-                        kApart * finest.edge, &out.share);
-    find_neighbours(base, out);
-    std::vector<Vec3> nearest(base.positions_rest.size());
-    apply<Vec3>(out.nearest, finest.positions_rest, nearest);
-    const std::vector<Vec3> normals = vertex_normals(base, base.positions_rest);
-    for (Index v = 0; v < Index(nearest.size()); ++v) {
-        const TriangleFrame frame = frame_at(base.positions_rest, normals, v, out.along[v]);
-        out.way.push_back(frame.to_local(out.share[v] * smooth_rest[v] - nearest[v]));
-    }
-    return out;
-}
-
-// Adds to vertices with a share below 1 what they take over from their neighbours.
-void follow_neighbours(const Beside& beside, std::vector<Vec3>& ways) {
-    const std::vector<Vec3> own = ways;
-    const SparseRows& rows = beside.from_neighbours;
-    for (int pass = 0; pass < kPasses; ++pass) {
-        for (Index r = 0; r < rows.rows(); ++r) {
-            Vec3 way = own[beside.partly[r]];
-            for (Index k = rows.start[r]; k < rows.start[r + 1]; ++k)
-                way += rows.weight[k] * ways[rows.index[k]];
-            ways[beside.partly[r]] = way;
-        }
-    }
-}
-
-// The ways of vertices by which their smooth surface goes the given ways. Each correction leaves about half
-// of the error.
-std::vector<Vec3> cage_of(const SparseRows& smooth, const std::vector<Vec3>& ways) {
-    std::vector<Vec3> cage = ways, reached(ways.size());
-    for (int i = 0; i < kCorrections; ++i) {
-        apply<Vec3>(smooth, cage, reached);
-        for (size_t v = 0; v < ways.size(); ++v) cage[v] += ways[v] - reached[v];
-    }
-    return cage;
-}
-
-// How far the animated dense mesh is from where it would lie beside the finest layer without folds, per
-// welded vertex. Skinning crushes joints in a dense mesh that the layers, on a coarse one, do not have.
-std::vector<Vec3> corrections(const Transfer& transfer, std::span<const Vec3> animated,
-                              std::span<const Vec3> finest) {
-    const Beside& beside = transfer.beside;
-    const std::vector<Vec3> normals = vertex_normals(transfer.base, animated);
-    std::vector<Vec3> smooth(animated.size()), out(animated.size());
-    apply<Vec3>(beside.smooth, animated, smooth);
-    apply<Vec3>(beside.nearest, finest, out);
-    for (Index v = 0; v < Index(out.size()); ++v) {
-        const TriangleFrame frame = frame_at(animated, normals, v, beside.along[v]);
-        out[v] += frame.to_object(beside.way[v]) - beside.share[v] * smooth[v];
-    }
-    follow_neighbours(beside, out);
-    return cage_of(beside.smooth, out);
-}
-
+// Finds how the moved vertices, and the vertices of the dense mesh, follow the finest layer, by one search.
 // rest: of the moved vertices. smooth: they lie on the limit surface of the dense mesh.
 void find_nearest(Transfer& transfer, const CoarseMesh& coarse, const Layers& layers,
                   std::span<const Vec3> rest, bool smooth) {
-    const Surface& base = transfer.base;
-    const std::vector<Index> parts = connected_parts(base);
-    const Finest finest = finest_of(layers, coarse, base, parts);
-    SparseRows passes = smooth ? vertex_limit_stencils(base) : identity_rows(base.welded.vertex_count);
-    std::vector<Vec3> passed(parts.size()), points(rest.begin(), rest.end());
-    apply<Vec3>(passes, base.positions_rest, passed);
-    std::vector<Index> part;
+    const Surface& dense = transfer.base;
+    const std::vector<Index> parts = connected_parts(dense);
+    const Finest finest = finest_of(layers, coarse, dense, parts);
+    SparseRows passes = smooth ? vertex_limit_stencils(dense) : identity_rows(dense.welded.vertex_count);
+    std::vector<Vec3> points(parts.size());
+    apply<Vec3>(passes, dense.positions_rest, points);
+    std::vector<Index> part = parts;
+    points.insert(points.end(), rest.begin(), rest.end());
     for (const SurfacePoint& place : transfer.attachments.places)
-        part.push_back(parts[welded_vertices(base, place.triangle)[0]]);
-    points.insert(points.end(), passed.begin(), passed.end());
-    part.insert(part.end(), parts.begin(), parts.end());
+        part.push_back(parts[welded_vertices(dense, place.triangle)[0]]);
     const Nearest nearest = nearest_on(finest, points, part);
-    const Index moved = static_cast<Index>(rest.size());
-    transfer.from_finest = faded(nearest, 0, moved, kNear * finest.edge, kFar * finest.edge);
-    transfer.beside = lies_beside(base, std::move(passes), passed, nearest, moved, finest);
+    const size_t own = parts.size();
+    std::vector<float> share, rest_of_it;
+    for (size_t i = own; i < points.size(); ++i) {
+        share.push_back(share_beside(nearest.distance[i], finest.edge));
+        rest_of_it.push_back(1.0f - share.back());
+    }
+    transfer.from_finest = scaled(rows_between(nearest.rows, own, points.size()), share);
+    transfer.from_dense = scaled(attachment_rows(dense, transfer.attachments), rest_of_it);
+    transfer.beside = find_beside(dense, std::move(passes), rows_between(nearest.rows, 0, own),
+                                  std::span(nearest.distance).first(own), finest.positions_rest, finest.edge);
 }
 
 }  // namespace
@@ -230,14 +139,15 @@ void show(const Transfer& transfer, const CoarseMesh& coarse, const Layers& laye
         displacements[v] += missed[v];
     }
     const std::vector<Vec3> base = weld_positions(transfer.base, animated);
-    const std::vector<Vec3> corrected = corrections(transfer, base, unwrinkled);
+    const std::vector<Vec3> ways = ways_beside(transfer.beside, transfer.base, base, unwrinkled);
     const size_t moved = transfer.attachments.places.size();
-    std::vector<Vec3> offset(moved), solved(moved), beside(moved);
+    std::vector<Vec3> offset(moved), solved(moved), beside(moved), followed(moved);
     apply(transfer.from_finest, to_rows(displacements), offset);
     attach(transfer.base, transfer.attachments, base, {}, solved);
-    attach(transfer.base, transfer.attachments, corrected, {}, beside);
+    attach(transfer.base, transfer.attachments, ways, {}, beside);
+    apply<Vec3>(transfer.from_dense, displacements_of(transfer.beside, displacements), followed);
     for (size_t v = 0; v < moved; ++v) {
-        offset[v] += beside[v];
+        offset[v] += followed[v] + beside[v];
         solved[v] += offset[v];
     }
     show_frame(transfer.base, shown_mesh(transfer, in_viewport), transfer.stretch, base,

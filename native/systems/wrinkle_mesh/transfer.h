@@ -7,27 +7,18 @@
 #include <memory>
 
 #include "surface/output/coarse.h"
+#include "systems/wrinkle_mesh/beside.h"
 #include "systems/wrinkle_mesh/layers.h"
 
 namespace rumple::wrinkle_mesh {
-
-// Where the dense mesh lies beside the smooth surface of the finest layer at rest, per welded vertex.
-struct Beside {
-    SparseRows smooth;   // where the shown surface passes a vertex <- vertices: its limit position, or itself
-    SparseRows nearest;  // the nearest point of that surface, times the share <- its vertices
-    std::vector<float> share;    // 1: the vertex lies beside that surface in every pose; 0: too far from it
-    std::vector<Index> along;    // a neighbour that the tangent of the vertex's frame points to, or kNone
-    std::vector<Vec3> way;       // from the nearest point to the vertex, times the share, in its frame
-    std::vector<Index> partly;   // the vertices with a share below 1 ...
-    SparseRows from_neighbours;  // ... what they take over from their neighbours
-};
 
 // Built once at rest, then immutable.
 struct Transfer {
     Surface base;             // the dense mesh
     Attachments attachments;  // of the moved vertices, on the dense mesh
-    Beside beside;
-    SparseRows from_finest;  // from displacements of the finest layer's vertices to displacements of these
+    Beside beside;            // where the dense mesh is without folds
+    SparseRows from_finest;   // displacements of the moved vertices <- those of the finest layer's vertices
+    SparseRows from_dense;    // ... of those that are not beside the finest layer <- of the dense mesh's
     ShownMesh shown;
     std::optional<ShownMesh> shown_in_viewport;  // if viewports use fewer subdivisions
     StretchModel stretch;

@@ -94,7 +94,7 @@ class CoarseView(Struct):
     __slots__ = ()
     vertex_count: int  # m
     mean_edge: float  # mean length of its edges, object units
-    dense_vertex: int | None  # (m): for every vertex its vertex of the dense mesh
+    dense_vertex: int | None  # (m): for every vertex the nearest vertex of the dense mesh
     _fields_ = (("vertex_count", c_int32), ("mean_edge", c_float), ("dense_vertex", c_void_p),)
 
 
