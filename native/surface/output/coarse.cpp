@@ -195,6 +195,13 @@ float side_by_area(const Surface& surface) {
     return area > 0.0 ? float(sum / area) : 0.0f;
 }
 
+float mean_edge(const Surface& surface) {
+    double sum = 0.0;
+    for (const Edge& e : surface.edges)
+        sum += glm::distance(surface.positions_rest[e.a], surface.positions_rest[e.b]);
+    return float(sum / double(surface.edges.size()));
+}
+
 // The vertices that samples are chosen among: those of the dense mesh or, if it is not so dense, of its
 // smooth surface.
 struct Candidates {
@@ -203,10 +210,11 @@ struct Candidates {
     std::vector<Index> dense_vertex;  // the nearest welded vertex of the dense mesh
 };
 
-// How often the mesh must be subdivided.
+// How often the mesh must be subdivided. Both means count: a vertex that strayed far away makes long sides
+// around most of the area.
 Index levels_for(const Surface& dense, float spacing) {
     Index levels = 0;
-    float side = side_by_area(dense);
+    float side = std::min(side_by_area(dense), mean_edge(dense));
     if (side <= kDense * spacing) return levels;
     for (double corners = 4.0 * dense.welded.corners(); side > kFine * spacing && corners <= kMostCorners;
          corners *= 4.0, side /= 2.0f)
@@ -230,13 +238,6 @@ Candidates candidates_of(const Surface& dense, float spacing) {
     for (Index v = 0; v < fine.vertex_from_parent.rows(); ++v)
         out.dense_vertex.push_back(largest(fine.vertex_from_parent, v));
     return out;
-}
-
-float mean_edge(const Surface& surface) {
-    double sum = 0.0;
-    for (const Edge& e : surface.edges)
-        sum += glm::distance(surface.positions_rest[e.a], surface.positions_rest[e.b]);
-    return float(sum / double(surface.edges.size()));
 }
 
 // Moves vertices along their normals until the smooth surface passes through their former positions. They do

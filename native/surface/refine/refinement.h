@@ -69,7 +69,8 @@ std::vector<SurfacePoint> locate_on_parents(const Surface& surface, const FineMe
 // Closest point on the whole surface at rest for every query (an artist's own
 // mesh), by a bounding volume hierarchy; ties go to the lowest triangle index.
 // distance gets object units. Cost: O(log triangles) a query.
-// part_of_triangle, part_of_query: a query only finds triangles of the same part; kNone: of any. Empty: all do.
+// part_of_triangle, part_of_query: a query only finds triangles of the same part; kNone: of any part. Empty:
+// all find any.
 std::vector<SurfacePoint> closest_points(const Surface& surface, std::span<const Vec3> queries,
                                          std::span<float> distance,
                                          std::span<const Index> part_of_triangle = {},
