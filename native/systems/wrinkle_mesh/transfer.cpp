@@ -94,13 +94,14 @@ void find_nearest(Transfer& transfer, const CoarseMesh& coarse, const Layers& la
     const size_t own = parts.size();
     std::vector<float> share, rest_of_it;
     for (size_t i = own; i < points.size(); ++i) {
-        share.push_back(share_beside(nearest.distance[i], finest.edge));
+        share.push_back(bound_share(nearest.distance[i], finest.edge));
         rest_of_it.push_back(1.0f - share.back());
     }
     transfer.from_finest = scaled(rows_between(nearest.rows, own, points.size()), share);
     transfer.from_dense = scaled(attachment_rows(dense, transfer.attachments), rest_of_it);
-    transfer.beside = find_beside(dense, std::move(passes), rows_between(nearest.rows, 0, own),
-                                  std::span(nearest.distance).first(own), finest.positions_rest, finest.edge);
+    transfer.binding =
+        bind_to_finest(dense, std::move(passes), rows_between(nearest.rows, 0, own),
+                       std::span(nearest.distance).first(own), finest.positions_rest, finest.edge);
 }
 
 }  // namespace
@@ -139,15 +140,15 @@ void show(const Transfer& transfer, const CoarseMesh& coarse, const Layers& laye
         displacements[v] += missed[v];
     }
     const std::vector<Vec3> base = weld_positions(transfer.base, animated);
-    const std::vector<Vec3> ways = ways_beside(transfer.beside, transfer.base, base, unwrinkled);
+    const std::vector<Vec3> ways = ways_to_bound(transfer.binding, transfer.base, base, unwrinkled);
     const size_t moved = transfer.attachments.places.size();
-    std::vector<Vec3> offset(moved), solved(moved), beside(moved), followed(moved);
+    std::vector<Vec3> offset(moved), solved(moved), to_bound(moved), followed(moved);
     apply(transfer.from_finest, to_rows(displacements), offset);
     attach(transfer.base, transfer.attachments, base, {}, solved);
-    attach(transfer.base, transfer.attachments, ways, {}, beside);
-    apply<Vec3>(transfer.from_dense, displacements_of(transfer.beside, displacements), followed);
+    attach(transfer.base, transfer.attachments, ways, {}, to_bound);
+    apply<Vec3>(transfer.from_dense, bound_displacements(transfer.binding, displacements), followed);
     for (size_t v = 0; v < moved; ++v) {
-        offset[v] += followed[v] + beside[v];
+        offset[v] += followed[v] + to_bound[v];
         solved[v] += offset[v];
     }
     show_frame(transfer.base, shown_mesh(transfer, in_viewport), transfer.stretch, base,

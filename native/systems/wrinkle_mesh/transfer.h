@@ -7,7 +7,7 @@
 #include <memory>
 
 #include "surface/output/coarse.h"
-#include "systems/wrinkle_mesh/beside.h"
+#include "systems/wrinkle_mesh/binding.h"
 #include "systems/wrinkle_mesh/layers.h"
 
 namespace rumple::wrinkle_mesh {
@@ -16,9 +16,9 @@ namespace rumple::wrinkle_mesh {
 struct Transfer {
     Surface base;             // the dense mesh
     Attachments attachments;  // of the moved vertices, on the dense mesh
-    Beside beside;            // where the dense mesh is without folds
+    Binding binding;          // of the dense mesh to the finest layer
     SparseRows from_finest;   // displacements of the moved vertices <- those of the finest layer's vertices
-    SparseRows from_dense;    // ... of those that are not beside the finest layer <- of the dense mesh's
+    SparseRows from_dense;    // ... of those that are not bound to it <- of the dense mesh's
     ShownMesh shown;
     std::optional<ShownMesh> shown_in_viewport;  // if viewports use fewer subdivisions
     StretchModel stretch;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "systems/wrinkle_mesh/beside.h"
+#include "systems/wrinkle_mesh/binding.h"
 
 #include "base/smooth_step.h"
 #include "surface/mesh/normals.h"
@@ -11,11 +11,11 @@ namespace {
 // move, unless they follow their neighbours.
 constexpr float kNear = 1.0f, kFar = 2.0f;
 
-// Unit: edges of the coarse mesh. Vertices that lie within kBeside of it at rest lie beside it in every pose,
-// vertices beyond kApart follow their neighbours.
-constexpr float kBeside = 0.15f, kApart = 0.5f;
+// Unit: edges of the coarse mesh. Vertices within kBound of it at rest are bound to it, vertices beyond
+// kUnbound follow their neighbours.
+constexpr float kBound = 0.15f, kUnbound = 0.5f;
 
-// Passes in which vertices that are not beside it follow their neighbours.
+// Passes in which vertices that are not bound follow their neighbours.
 constexpr int kPasses = 8;
 
 // Corrections of the vertices until the smooth surface passes where they should be.
@@ -38,27 +38,27 @@ TriangleFrame frame_at(std::span<const Vec3> positions, std::span<const Vec3> no
 }
 
 // For the vertices with a share below 1: what is left of it, shared out among their neighbours.
-void find_neighbours(const Surface& base, Beside& beside) {
+void find_neighbours(const Surface& base, Binding& binding) {
     std::vector<std::vector<Index>> around(base.positions_rest.size());
     for (const Edge& e : base.edges) around[e.a].push_back(e.b), around[e.b].push_back(e.a);
     for (Index v = 0; v < Index(around.size()); ++v) {
-        beside.along.push_back(around[v].empty() ? kNone : around[v].front());
-        if (beside.share[v] >= 1.0f || around[v].empty()) continue;
-        beside.partly.push_back(v);
+        binding.along.push_back(around[v].empty() ? kNone : around[v].front());
+        if (binding.share[v] >= 1.0f || around[v].empty()) continue;
+        binding.partly.push_back(v);
         for (const Index other : around[v])
-            beside.from_neighbours.add(other, (1.0f - beside.share[v]) / float(around[v].size()));
-        beside.from_neighbours.end_row();
+            binding.from_neighbours.add(other, (1.0f - binding.share[v]) / float(around[v].size()));
+        binding.from_neighbours.end_row();
     }
 }
 
 // Vertices with a share below 1 take over from their neighbours what is left of it. own: of every vertex.
-std::vector<Vec3> following(const Beside& beside, const std::vector<Vec3>& own) {
+std::vector<Vec3> following(const Binding& binding, const std::vector<Vec3>& own) {
     std::vector<Vec3> out = own;
-    const SparseRows& rows = beside.from_neighbours;
+    const SparseRows& rows = binding.from_neighbours;
     for (int pass = 0; pass < kPasses; ++pass) {
         for (Index r = 0; r < rows.rows(); ++r) {
-            const Index v = beside.partly[r];
-            out[v] = beside.share[v] * own[v];
+            const Index v = binding.partly[r];
+            out[v] = binding.share[v] * own[v];
             for (Index k = rows.start[r]; k < rows.start[r + 1]; ++k)
                 out[v] += rows.weight[k] * out[rows.index[k]];
         }
@@ -79,8 +79,8 @@ std::vector<Vec3> cage_of(const SparseRows& smooth, const std::vector<Vec3>& way
 
 }  // namespace
 
-float share_beside(float distance, float edge) {
-    return 1.0f - smooth_step(kBeside * edge, kApart * edge, distance);
+float bound_share(float distance, float edge) {
+    return 1.0f - smooth_step(kBound * edge, kUnbound * edge, distance);
 }
 
 SparseRows scaled(const SparseRows& rows, std::span<const float> factor) {
@@ -93,12 +93,12 @@ SparseRows scaled(const SparseRows& rows, std::span<const float> factor) {
     return out;
 }
 
-Beside find_beside(const Surface& dense, SparseRows smooth, const SparseRows& nearest,
-                   std::span<const float> distance, std::span<const Vec3> finest_rest, float edge) {
-    Beside out;
+Binding bind_to_finest(const Surface& dense, SparseRows smooth, const SparseRows& nearest,
+                       std::span<const float> distance, std::span<const Vec3> finest_rest, float edge) {
+    Binding out;
     std::vector<float> moved;
     for (const float d : distance) {
-        out.share.push_back(share_beside(d, edge));
+        out.share.push_back(bound_share(d, edge));
         moved.push_back(1.0f - smooth_step(kNear * edge, kFar * edge, d));
     }
     out.moves = scaled(nearest, moved);
@@ -106,35 +106,35 @@ Beside find_beside(const Surface& dense, SparseRows smooth, const SparseRows& ne
     out.nearest = scaled(nearest, out.share);
     find_neighbours(dense, out);
     const std::vector<Vec3>& rest = dense.positions_rest;
-    std::vector<Vec3> passed(rest.size()), beside(rest.size());
+    std::vector<Vec3> passed(rest.size()), nearest_at(rest.size());
     apply<Vec3>(out.smooth, rest, passed);
-    apply<Vec3>(out.nearest, finest_rest, beside);
+    apply<Vec3>(out.nearest, finest_rest, nearest_at);
     const std::vector<Vec3> normals = vertex_normals(dense, rest);
     for (Index v = 0; v < Index(rest.size()); ++v) {
         const TriangleFrame frame = frame_at(rest, normals, v, out.along[v]);
-        out.way.push_back(frame.to_local(out.share[v] * passed[v] - beside[v]));
+        out.way.push_back(frame.to_local(out.share[v] * passed[v] - nearest_at[v]));
     }
     return out;
 }
 
-std::vector<Vec3> ways_beside(const Beside& beside, const Surface& dense, std::span<const Vec3> animated,
-                              std::span<const Vec3> finest) {
+std::vector<Vec3> ways_to_bound(const Binding& binding, const Surface& dense, std::span<const Vec3> animated,
+                                std::span<const Vec3> finest) {
     const std::vector<Vec3> normals = vertex_normals(dense, animated);
     std::vector<Vec3> passed(animated.size()), ways(animated.size());
-    apply<Vec3>(beside.smooth, animated, passed);
-    apply<Vec3>(beside.nearest, finest, ways);
+    apply<Vec3>(binding.smooth, animated, passed);
+    apply<Vec3>(binding.nearest, finest, ways);
     for (Index v = 0; v < Index(ways.size()); ++v) {
-        const TriangleFrame frame = frame_at(animated, normals, v, beside.along[v]);
-        ways[v] += frame.to_object(beside.way[v]) - beside.share[v] * passed[v];
-        if (beside.share[v] > 0.0f) ways[v] /= beside.share[v];
+        const TriangleFrame frame = frame_at(animated, normals, v, binding.along[v]);
+        ways[v] += frame.to_object(binding.way[v]) - binding.share[v] * passed[v];
+        if (binding.share[v] > 0.0f) ways[v] /= binding.share[v];
     }
-    return cage_of(beside.smooth, following(beside, ways));
+    return cage_of(binding.smooth, following(binding, ways));
 }
 
-std::vector<Vec3> displacements_of(const Beside& beside, std::span<const Vec3> finest) {
-    std::vector<Vec3> own(beside.moves.rows());
-    apply<Vec3>(beside.moves, finest, own);
-    return following(beside, own);
+std::vector<Vec3> bound_displacements(const Binding& binding, std::span<const Vec3> finest) {
+    std::vector<Vec3> own(binding.moves.rows());
+    apply<Vec3>(binding.moves, finest, own);
+    return following(binding, own);
 }
 
 }  // namespace rumple::wrinkle_mesh
