@@ -2,6 +2,7 @@
 #include "systems/wrinkle_mesh/binding.h"
 
 #include "base/smooth_step.h"
+#include "base/solve_team.h"
 #include "surface/mesh/normals.h"
 
 namespace rumple::wrinkle_mesh {
@@ -71,7 +72,7 @@ std::vector<Vec3> following(const Binding& binding, const std::vector<Vec3>& own
 std::vector<Vec3> cage_of(const SparseRows& smooth, const std::vector<Vec3>& ways) {
     std::vector<Vec3> cage = ways, reached(ways.size());
     for (int i = 0; i < kCorrections; ++i) {
-        apply<Vec3>(smooth, cage, reached);
+        apply(smooth, to_rows(cage), reached);
         for (size_t v = 0; v < ways.size(); ++v) cage[v] += ways[v] - reached[v];
     }
     return cage;
@@ -121,8 +122,8 @@ std::vector<Vec3> ways_to_bound(const Binding& binding, const Surface& dense, st
                                 std::span<const Vec3> finest) {
     const std::vector<Vec3> normals = vertex_normals(dense, animated);
     std::vector<Vec3> passed(animated.size()), ways(animated.size());
-    apply<Vec3>(binding.smooth, animated, passed);
-    apply<Vec3>(binding.nearest, finest, ways);
+    apply(binding.smooth, to_rows(animated), passed);
+    apply(binding.nearest, to_rows(finest), ways);
     for (Index v = 0; v < Index(ways.size()); ++v) {
         const TriangleFrame frame = frame_at(animated, normals, v, binding.along[v]);
         ways[v] += frame.to_object(binding.way[v]) - binding.share[v] * passed[v];
@@ -133,7 +134,7 @@ std::vector<Vec3> ways_to_bound(const Binding& binding, const Surface& dense, st
 
 std::vector<Vec3> bound_displacements(const Binding& binding, std::span<const Vec3> finest) {
     std::vector<Vec3> own(binding.moves.rows());
-    apply<Vec3>(binding.moves, finest, own);
+    apply(binding.moves, to_rows(finest), own);
     return following(binding, own);
 }
 
