@@ -56,6 +56,7 @@ S2 = Scene("S2_squat_trousers", ("trousers", "sweater"), ("sweater", "trousers")
            Vector((1.5, -2.6, 0.5)), raised=0.06)
 SHIRT = Scene("S1_walk_shirt", ("trousers", "shirt"), ("shirt",), (61,), Vector((1.0, -1.75, 0.25)), 84.0,
               key=S1.key)
+SWEATER = Scene("S2_squat_trousers", ("trousers", "sweater"), ("sweater",), (63,), Vector((0.9, -1.9, 0.4)), 84.0)
 ONE_LAYER = {"base_cloth": "OFF", "layers": "ONE"}
 
 
@@ -262,11 +263,14 @@ def layers(folder: Path) -> tuple[list[Tile], int]:
 
 
 def fabrics(folder: Path) -> tuple[list[Tile], int]:
-    at, tiles = middles(SHIRT), []
-    for preset in ("SILK", "JERSEY", "COTTON", "WOOL", "DENIM", "LEATHER"):
-        open_scene(SHIRT, {}, preset)
-        tiles += play(SHIRT, at, lambda frame, preset=preset: preset.title(), folder)
-    return tiles, 3
+    """Sweater and trousers of one fabric."""
+    at = middles(SWEATER)
+    open_scene(SWEATER, None)
+    tiles = play(SWEATER, at, lambda frame: "As animated", folder)
+    for preset in ("SILK", "JERSEY", "COTTON", "WOOL", "DENIM", "LEATHER", "STRETCH"):
+        open_scene(SWEATER, {}, preset)
+        tiles += play(SWEATER, at, lambda frame, preset=preset: preset.title(), folder)
+    return tiles, 2
 
 
 def density(folder: Path) -> tuple[list[Tile], int]:
