@@ -87,9 +87,9 @@ def suggested_wavelength(base: BaseMesh, unit_scale: float) -> float:
     return float(f"{wavelength:.2g}") if wavelength > 0.0 else MeshSettings.wavelength
 
 
-COARSE_EDGE = 0.03  # metres, edges of the coarse mesh of an adult's garment: its widest folds have five of them
+COARSE_EDGE = 0.033  # metres, edges of the coarse mesh of an adult's garment: its widest folds have five of them
 WIDE = 0.1  # metres: if the finest folds are this wide, and for every skirt, the coarse edges are twice as long
-DENSE = 2.0 / 3.0  # relative to COARSE_EDGE: a base with shorter edges is solved on a coarse mesh instead
+DENSE = 20.0 / 33.0  # relative to COARSE_EDGE: a base with shorter edges is solved on a coarse mesh instead
 UNEVEN = 0.1  # ... and so is a base if faces that are narrower than this have more than this share of its area
 # Metres: the finest folds of an adult's cotton garment. Cloth that hangs free has few, wide folds.
 CLOTH_WAVELENGTH, SKIRT_WAVELENGTH = 0.04, 0.14
