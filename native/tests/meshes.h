@@ -54,6 +54,16 @@ inline MeshData grid(Index nx, Index ny, float size) {
     return mesh;
 }
 
+// Adds the quads of another mesh, moved.
+inline void add_part(MeshData& mesh, const MeshData& part, const Vec3& move) {
+    const Index first = static_cast<Index>(mesh.positions.size());
+    for (const Vec3& p : part.positions) mesh.positions.push_back(p + move);
+    for (size_t k = 0; k < part.corner_vertex.size(); k += 4) {
+        const Index* corner = &part.corner_vertex[k];
+        mesh.add_polygon({first + corner[0], first + corner[1], first + corner[2], first + corner[3]});
+    }
+}
+
 // A tube around the x axis, open at both ends: `around` >= 3 faces in a ring,
 // `along` rings over `length` metres. Vertex (i, j) is i + j around, j along x.
 inline MeshData tube(Index around, Index along, float radius, float length) {

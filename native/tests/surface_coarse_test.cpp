@@ -217,16 +217,19 @@ TEST(Coarse, ItsSmoothSurfaceIsThatOfAMeshThatIsNotSoDense) {
     for (const Vec3& p : shown) EXPECT_NEAR(std::hypot(p.y, p.z), radius, 0.001f);
 }
 
-// A torn piece of 2 by 2 cm would hang beside the garment, or fall.
+// A torn piece of 5 by 5 cm would hang beside the garment, or fall. One of 8 by 8 cm is a part of its own.
 TEST(Coarse, PartsStayApartAndASmallOneIsLeftOut) {
-    MeshData mesh = grid(40, 40, 0.006f);
-    const MeshData button = grid(1, 1, 0.02f);
-    const Index first = Index(mesh.positions.size());
-    for (const Vec3& p : button.positions) mesh.positions.push_back(p + Vec3(0.1f, 0.1f, 0.002f));
-    mesh.add_polygon({first, first + 1, first + 3, first + 2});
-    const auto coarse = build_coarse(build(mesh), kSpacing);
-    EXPECT_EQ(euler(coarse->surface), 1);
-    for (const Index v : coarse->surface.welded.corner_vertex) EXPECT_LT(coarse->dense_vertex[v], first);
+    for (const Index pieces : {5, 8}) {
+        MeshData mesh = grid(40, 40, 0.006f);
+        const Index first = Index(mesh.positions.size());
+        add_part(mesh, grid(pieces, pieces, 0.01f), {0.05f, 0.05f, 0.002f});
+        const auto coarse = build_coarse(build(mesh), kSpacing);
+        EXPECT_EQ(euler(coarse->surface), pieces == 8 ? 2 : 1);
+        EXPECT_EQ(borders(coarse->surface), pieces == 8 ? 2 : 1);
+        const auto& corners = coarse->surface.welded.corner_vertex;
+        const auto of_piece = [&](Index v) { return coarse->dense_vertex[v] >= first; };
+        EXPECT_EQ(std::ranges::any_of(corners, of_piece), pieces == 8);
+    }
 }
 
 TEST(Coarse, RefusesWhatCannotBe) {
