@@ -33,6 +33,7 @@ constexpr int kCorrections = 6;
 // A mesh whose sides are longer than kDense * spacing is subdivided until they are at most kFine * spacing.
 // Among fewer vertices to choose from, triangles would be as long and as thin as the polygons of the mesh.
 constexpr float kDense = 0.75f, kFine = 0.4f;
+constexpr Index kMostSubdivisions = 2;
 constexpr Index kMostCorners = 400'000;  // of the subdivided mesh: about 0.3 s
 
 // A part of the mesh with less area than this times spacing^2 (a button, a torn piece) has no vertices of its
@@ -216,9 +217,11 @@ Index levels_for(const Surface& dense, float spacing) {
     Index levels = 0;
     float side = std::min(side_by_area(dense), mean_edge(dense));
     if (side <= kDense * spacing) return levels;
-    for (double corners = 4.0 * dense.welded.corners(); side > kFine * spacing && corners <= kMostCorners;
-         corners *= 4.0, side /= 2.0f)
+    double corners = dense.welded.corners();
+    while (side > kFine * spacing && levels < kMostSubdivisions && (corners *= 4.0) <= kMostCorners) {
+        side /= 2.0f;
         ++levels;
+    }
     return levels;
 }
 
