@@ -2,7 +2,6 @@
 #include "surface/cloth/overlaps.h"
 
 #include "base/tolerances.h"
-#include "surface/mesh/disjoint_sets.h"
 #include "surface/mesh/positions.h"
 #include "surface/output/attachments.h"
 #include "surface/query/bounds.h"

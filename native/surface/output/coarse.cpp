@@ -34,7 +34,7 @@ constexpr int kCorrections = 6;
 // Among fewer vertices to choose from, triangles would be as long and as thin as the polygons of the mesh.
 constexpr float kDense = 0.75f, kFine = 0.4f;
 constexpr Index kMostSubdivisions = 2;
-constexpr Index kMostCorners = 400'000;  // of the subdivided mesh: about 0.3 s
+constexpr Index kMostCorners = 400'000;  // of the subdivided mesh: about 0.4 s
 
 // A part of the mesh with less area than this times spacing^2 (a button, a torn piece) has no vertices of its
 // own. It moves along with the cloth under it, and does not fall.

@@ -67,13 +67,13 @@ std::vector<Vec3> following(const Binding& binding, const std::vector<Vec3>& own
     return out;
 }
 
-// The ways of vertices by which their smooth surface goes the given ways. Each correction leaves about half
-// of the error.
-std::vector<Vec3> cage_of(const SparseRows& smooth, const std::vector<Vec3>& ways) {
-    std::vector<Vec3> cage = ways, reached(ways.size());
+// The offsets of vertices whose smooth surface gets the given offsets. Each correction leaves about half of
+// the error.
+std::vector<Vec3> cage_of(const SparseRows& smooth, const std::vector<Vec3>& offsets) {
+    std::vector<Vec3> cage = offsets, reached(offsets.size());
     for (int i = 0; i < kCorrections; ++i) {
         apply(smooth, to_rows(cage), reached);
-        for (size_t v = 0; v < ways.size(); ++v) cage[v] += ways[v] - reached[v];
+        for (size_t v = 0; v < offsets.size(); ++v) cage[v] += offsets[v] - reached[v];
     }
     return cage;
 }
@@ -113,23 +113,23 @@ Binding bind_to_finest(const Surface& dense, SparseRows smooth, const SparseRows
     const std::vector<Vec3> normals = vertex_normals(dense, rest);
     for (Index v = 0; v < Index(rest.size()); ++v) {
         const TriangleFrame frame = frame_at(rest, normals, v, out.along[v]);
-        out.way.push_back(frame.to_local(out.share[v] * passed[v] - nearest_at[v]));
+        out.rest_offset.push_back(frame.to_local(out.share[v] * passed[v] - nearest_at[v]));
     }
     return out;
 }
 
-std::vector<Vec3> ways_to_bound(const Binding& binding, const Surface& dense, std::span<const Vec3> animated,
+std::vector<Vec3> bound_offsets(const Binding& binding, const Surface& dense, std::span<const Vec3> animated,
                                 std::span<const Vec3> finest) {
     const std::vector<Vec3> normals = vertex_normals(dense, animated);
-    std::vector<Vec3> passed(animated.size()), ways(animated.size());
+    std::vector<Vec3> passed(animated.size()), offsets(animated.size());
     apply(binding.smooth, to_rows(animated), passed);
-    apply(binding.nearest, to_rows(finest), ways);
-    for (Index v = 0; v < Index(ways.size()); ++v) {
+    apply(binding.nearest, to_rows(finest), offsets);
+    for (Index v = 0; v < Index(offsets.size()); ++v) {
         const TriangleFrame frame = frame_at(animated, normals, v, binding.along[v]);
-        ways[v] += frame.to_object(binding.way[v]) - binding.share[v] * passed[v];
-        if (binding.share[v] > 0.0f) ways[v] /= binding.share[v];
+        offsets[v] += frame.to_object(binding.rest_offset[v]) - binding.share[v] * passed[v];
+        if (binding.share[v] > 0.0f) offsets[v] /= binding.share[v];
     }
-    return cage_of(binding.smooth, following(binding, ways));
+    return cage_of(binding.smooth, following(binding, offsets));
 }
 
 std::vector<Vec3> bound_displacements(const Binding& binding, std::span<const Vec3> finest) {

@@ -17,11 +17,11 @@ struct Binding {
     SparseRows nearest;  // times the share: the nearest point of the finest layer's smooth surface <- the
                          // layer's vertices
     SparseRows moves;  // its displacement, before it follows its neighbours <- those of the layer's vertices
-    std::vector<float> share;    // 1: it is bound to that surface; 0: it is too far from it
-    std::vector<Vec3> way;       // times the share: from the nearest point to the smooth one, in its frame
-    std::vector<Index> along;    // a neighbour to which the tangent of its frame points, or kNone
-    std::vector<Index> partly;   // the vertices with a share below 1 ...
-    SparseRows from_neighbours;  // ... and what they take over from their neighbours
+    std::vector<float> share;       // 1: it is bound to that surface; 0: it is too far from it
+    std::vector<Vec3> rest_offset;  // times the share: from the nearest point to the smooth one, in its frame
+    std::vector<Index> along;       // a neighbour to which the tangent of its frame points, or kNone
+    std::vector<Index> partly;      // the vertices with a share below 1 ...
+    SparseRows from_neighbours;     // ... and what they take over from their neighbours
 };
 
 // The share of a vertex at this distance from the finest layer. edge: mean edge of the coarse mesh.
@@ -32,9 +32,9 @@ float bound_share(float distance, float edge);
 Binding bind_to_finest(const Surface& dense, SparseRows smooth, const SparseRows& nearest,
                        std::span<const float> distance, std::span<const Vec3> finest_rest, float edge);
 
-// The ways of the welded vertices of the animated mesh to where they are bound.
-// finest: the positions of its vertices without folds, for the same frame. Object space. Cost: O(vertices).
-std::vector<Vec3> ways_to_bound(const Binding& binding, const Surface& dense, std::span<const Vec3> animated,
+// How far the welded vertices of the animated mesh are from where they are bound, object space. finest: the
+// positions of the finest layer's vertices without folds, for the same frame. Cost: O(vertices).
+std::vector<Vec3> bound_offsets(const Binding& binding, const Surface& dense, std::span<const Vec3> animated,
                                 std::span<const Vec3> finest);
 
 // The displacements of the welded vertices of the dense mesh. finest: those of the finest layer's vertices.

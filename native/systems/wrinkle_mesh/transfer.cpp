@@ -92,13 +92,13 @@ void find_nearest(Transfer& transfer, const CoarseMesh& coarse, const Layers& la
         part.push_back(parts[welded_vertices(dense, place.triangle)[0]]);
     const Nearest nearest = nearest_on(finest, points, part);
     const size_t own = parts.size();
-    std::vector<float> share, rest_of_it;
+    std::vector<float> share, remainder;
     for (size_t i = own; i < points.size(); ++i) {
         share.push_back(bound_share(nearest.distance[i], finest.edge));
-        rest_of_it.push_back(1.0f - share.back());
+        remainder.push_back(1.0f - share.back());
     }
     transfer.from_finest = scaled(rows_between(nearest.rows, own, points.size()), share);
-    transfer.from_dense = scaled(attachment_rows(dense, transfer.attachments), rest_of_it);
+    transfer.from_dense = scaled(attachment_rows(dense, transfer.attachments), remainder);
     transfer.binding =
         bind_to_finest(dense, std::move(passes), rows_between(nearest.rows, 0, own),
                        std::span(nearest.distance).first(own), finest.positions_rest, finest.edge);
@@ -140,12 +140,12 @@ void show(const Transfer& transfer, const CoarseMesh& coarse, const Layers& laye
         displacements[v] += missed[v];
     }
     const std::vector<Vec3> base = weld_positions(transfer.base, animated);
-    const std::vector<Vec3> ways = ways_to_bound(transfer.binding, transfer.base, base, unwrinkled);
+    const std::vector<Vec3> bound = bound_offsets(transfer.binding, transfer.base, base, unwrinkled);
     const size_t moved = transfer.attachments.places.size();
     std::vector<Vec3> offset(moved), solved(moved), to_bound(moved), followed(moved);
     apply(transfer.from_finest, to_rows(displacements), offset);
     attach(transfer.base, transfer.attachments, base, {}, solved);
-    attach(transfer.base, transfer.attachments, ways, {}, to_bound);
+    attach(transfer.base, transfer.attachments, bound, {}, to_bound);
     apply<Vec3>(transfer.from_dense, bound_displacements(transfer.binding, displacements), followed);
     for (size_t v = 0; v < moved; ++v) {
         offset[v] += followed[v] + to_bound[v];

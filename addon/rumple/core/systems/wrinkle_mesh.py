@@ -90,7 +90,7 @@ def suggested_wavelength(base: BaseMesh, unit_scale: float) -> float:
 COARSE_EDGE = 0.033  # metres, edges of the coarse mesh of an adult's garment: its widest folds have five of them
 WIDE = 0.1  # metres: if the finest folds are this wide, and for every skirt, the coarse edges are twice as long
 DENSE = 20.0 / 33.0  # relative to COARSE_EDGE: a base with shorter edges is solved on a coarse mesh instead
-UNEVEN = 0.1  # ... and so is a base if faces that are narrower than this have more than this share of its area
+UNEVEN = 0.1  # ... and so is one with more than this share of its area in faces that are narrower than DENSE
 # Metres: the finest folds of an adult's cotton garment. Cloth that hangs free has few, wide folds.
 CLOTH_WAVELENGTH, SKIRT_WAVELENGTH = 0.04, 0.14
 # finest folds of a sheet like a scarf: least width; width / diagonal (at most a skirt's)
