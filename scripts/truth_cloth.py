@@ -4,8 +4,11 @@
 Blender's cloth counts time in frames, has gravity's 9.81 as 0.00981 and gives each vertex the mass of the settings.
 So gravity is set for the frame rate, and what matters is stiffness against the mass of a vertex. The values below
 are those of a light cotton jersey at edges of about 8 mm: 0.2 % strain under its own weight from collar to hem.
-Bending and its damping are explicit there: stable while 12 * bending_stiffness / quality^2 is below about 1 and
-80 * bending_damping / quality below 1, at a vertex mass of 0.05. Beyond that the cloth is crepe, then rags.
+How stiffly it bends is set as its bending length, metres, for Blender's stiffness depends on the mesh: strips of 8 cm
+that hang over an edge (F. T. Peirce 1930) have BENDING * edge * (bending_stiffness / mass)^(1/3) at 30 frames a second,
+with edges of 5, 8 and 10 mm, stiffness over mass of 60 to 3600.
+Bending and its damping are explicit there: stable while 0.6 * bending_stiffness / mass / quality^2 is below about 1 and
+1.3 * bending_damping * bending_stiffness / mass / quality below 1. Beyond that the cloth is crepe, then rags.
 """
 from __future__ import annotations
 
@@ -24,6 +27,9 @@ from truth_pins import Hold, along_cloth, edges_of, hugging
 GRAVITY = 9.81  # metres per second squared
 REPORT_EVERY = 10
 BORDER, SHALLOW = 0.05, 0.004  # metres from a hugging border to the inner surface's whole depth; its depth there
+BENDING = 0.299  # measured: see above
+UNSTABLE_STIFFNESS, UNSTABLE_DAMPING = 0.6, 1.3  # see above
+CALM = 0.3  # damping of bending / the most that is stable
 TOO_FAR = 0.5  # metres from the animated base: the simulation has exploded
 
 
@@ -31,17 +37,16 @@ TOO_FAR = 0.5  # metres from the animated base: the simulation has exploded
 class Fabric:
     """Settings of the simulation, by Blender's names."""
 
-    quality: int = 8  # steps a frame
+    quality: int = 8  # steps a frame, more if bending needs them
     mass: float = 0.05  # of a vertex
     tension_stiffness: float = 15.0
     compression_stiffness: float = 15.0
     shear_stiffness: float = 5.0
-    bending_stiffness: float = 3.0
-    hem_bending_stiffness: float = 3.0  # of the last centimetre at borders, where real cloth lies double
+    bending_length: float = 0.022  # metres: cotton's, as of the add-on's settings
+    hem_stiffness: float = 1.0  # of the last centimetre at borders, over the rest; real cloth lies double there
     tension_damping: float = 5.0
     compression_damping: float = 5.0
     shear_damping: float = 5.0
-    bending_damping: float = 0.03
     air_damping: float = 0.05
     pin_stiffness: float = 0.1
     collision_quality: int = 3
@@ -53,6 +58,14 @@ class Fabric:
     thickness: float = 0.002  # of the body, metres
     shrink: float = 0.014  # of the inner surface that stands in for a missing body, metres ...
     inner_thickness: float = 0.003  # ... and its thickness: the cloth stops at the difference
+
+    def bending(self, edge: float, fps: float) -> tuple[float, int, float]:
+        """For edges of this length (metres): Blender's bending stiffness, the steps a frame and the damping of bending
+        for which it is stable."""
+        ratio = (self.bending_length / (BENDING * edge)) ** 3 * (30.0 / fps) ** 2
+        stiffest = ratio * max(self.hem_stiffness, 1.0)
+        quality = max(self.quality, int(np.ceil(np.sqrt(UNSTABLE_STIFFNESS * stiffest))))
+        return self.mass * ratio, quality, CALM * quality / (UNSTABLE_DAMPING * stiffest)
 
     def as_dict(self) -> dict[str, float]:
         """For the cache."""
@@ -134,26 +147,34 @@ def add_group(thing: bpy.types.Object, name: str, weights: np.ndarray) -> str:
     return group.name
 
 
-def add_cloth(garment: bpy.types.Object, hold: Hold, fabric: Fabric, frames: int) -> None:
+def vertex_spacing(surface: Surface) -> float:
+    """Metres: root of the area at rest over the vertices."""
+    triangles, _ = triangles_of(surface.starts, surface.corners)
+    a, b, c = (surface.rest[triangles[:, k]].astype(np.float64) for k in range(3))
+    return float(np.sqrt(0.5 * np.linalg.norm(np.cross(b - a, c - a), axis=1).sum() / len(surface.rest)))
+
+
+def add_cloth(garment: bpy.types.Object, hold: Hold, fabric: Fabric, clip: Clip) -> None:
     """The Cloth modifier after the garment's motion."""
     cloth = garment.modifiers.new("Cloth", "CLOTH")
     settings, collisions = cloth.settings, cloth.collision_settings
     settings.vertex_group_mass = add_group(garment, "Pin", hold.pins ** 0.25)  # the solver takes the fourth power
     settings.vertex_group_bending = add_group(garment, "Hems", hold.hems)
     settings.bending_model = "ANGULAR"
-    for name in ("quality", "mass", "tension_stiffness", "compression_stiffness", "shear_stiffness",
-                 "bending_stiffness", "tension_damping", "compression_damping", "shear_damping", "bending_damping",
-                 "air_damping", "pin_stiffness"):
+    for name in ("mass", "tension_stiffness", "compression_stiffness", "shear_stiffness", "tension_damping",
+                 "compression_damping", "shear_damping", "air_damping", "pin_stiffness"):
         setattr(settings, name, getattr(fabric, name))
-    for name, value in (("tension_stiffness_max", fabric.tension_stiffness),
+    stiffness, quality, damping = fabric.bending(vertex_spacing(clip.garment), clip.fps)
+    for name, value in (("quality", quality), ("bending_stiffness", stiffness), ("bending_damping", damping),
+                        ("tension_stiffness_max", fabric.tension_stiffness),
                         ("compression_stiffness_max", fabric.compression_stiffness),
                         ("shear_stiffness_max", fabric.shear_stiffness),
-                        ("bending_stiffness_max", fabric.hem_bending_stiffness)):
+                        ("bending_stiffness_max", fabric.hem_stiffness * stiffness)):
         setattr(settings, name, value)
     collisions.use_collision, collisions.use_self_collision = True, fabric.self_collision
     for name in ("collision_quality", "distance_min", "self_distance_min", "self_friction"):
         setattr(collisions, name, getattr(fabric, name))
-    cloth.point_cache.frame_start, cloth.point_cache.frame_end = 1, frames
+    cloth.point_cache.frame_start, cloth.point_cache.frame_end = 1, len(clip.garment.positions)
 
 
 def build(clip: Clip, hold: Hold, fabric: Fabric, inner: bool, folder: Path) -> bpy.types.Object:
@@ -169,7 +190,7 @@ def build(clip: Clip, hold: Hold, fabric: Fabric, inner: bool, folder: Path) -> 
     for number, body in enumerate(clip.bodies):
         add_collider(moving_object(f"body{number}", body, folder), fabric.thickness, fabric)
     garment = moving_object("garment", clip.garment, folder)
-    add_cloth(garment, hold, fabric, total)
+    add_cloth(garment, hold, fabric, clip)
     return garment
 
 

@@ -9,8 +9,10 @@ from typing import Any
 import numpy as np
 from rumple.core.mesh.base_mesh import BaseMesh
 from rumple.core.mesh.body import Body
+from rumple.core.settings.fabrics import FABRICS
 from rumple.core.settings.system_settings import MeshSettings
-from rumple.core.systems.wrinkle_mesh import WrinkleMesh, cloth_defaults, coarse_mesh
+from rumple.core.systems.wrinkle_mesh import (
+    COARSE_EDGE, MOST_COARSER, WrinkleMesh, cloth_defaults, coarse_mesh, fitting_spacing)
 from support.frames import solve_frame
 from support.meshes import tube
 
@@ -160,6 +162,54 @@ class Dense(unittest.TestCase):
         worn = self.mesh.worn_surface(1.0, pushed_together(self.base, 0.9))
         self.assertLess(worn.triangles.max(), len(worn.positions))
         self.assertLess(abs(np.ptp(worn.positions[:, 2]) - 0.9 * LENGTH), settings_of(self.base).slide_room)
+
+
+class FoldWidths(unittest.TestCase):
+    """Layers are halved from one to the next, but the edges of a coarse mesh can have any length. So each fabric has
+    folds of just its width; with the same edges for all, wool and denim had those of cotton."""
+
+    def setUp(self) -> None:
+        self.base = sleeve(80, 62)
+
+    def build(self, wavelength: float) -> tuple[MeshSettings, WrinkleMesh]:
+        settings = settings_of(self.base, gravity=0.0, wavelength=wavelength)
+        return settings, WrinkleMesh.build(self.base, settings)
+
+    def test_the_finest_layer_is_whole_at_any_wavelength(self) -> None:
+        for wavelength in np.geomspace(0.02, 0.09, 9):
+            _, mesh = self.build(float(wavelength))
+            self.assertIsNotNone(mesh.coarse)
+            self.assertEqual(mesh.finest_share, 1.0)
+            self.assertLess(abs(5.0 * mesh.edge_mean / wavelength - 1.0), 0.08, wavelength)
+
+    def test_folds_are_as_much_wider_as_the_fabric_s_are(self) -> None:
+        ratios = []
+        for fabric in ("SILK", "COTTON", "WOOL", "DENIM", "LEATHER"):
+            settings, mesh = self.build(0.04 * FABRICS[fabric].fold_width)
+            detail = replace(settings, drape=0.0, folds=0.0)
+            shown = solve_frame(mesh, 1.0, pushed_together(self.base, 0.85), detail, {}, start=1)
+            ratios.append(fold_distance(shown.positions) / settings.wavelength)
+        self.assertLess(max(ratios) / min(ratios), 1.2, ratios)
+
+    def test_the_spacing_stays_near_the_usual_one(self) -> None:
+        for wavelength in np.geomspace(0.001, 10.0, 200):
+            spacing = fitting_spacing(COARSE_EDGE, float(wavelength))
+            self.assertTrue(0.999 / MOST_COARSER < spacing / COARSE_EDGE < 1.001 * MOST_COARSER, wavelength)
+        self.assertEqual(fitting_spacing(COARSE_EDGE, np.float32(0.04).item()), COARSE_EDGE)
+
+
+def fold_distance(positions: np.ndarray) -> float:
+    """Along a sleeve, mean over lines around it, weighted by power."""
+    radius, around = np.hypot(positions[:, 0], positions[:, 1]), np.arctan2(positions[:, 1], positions[:, 0])
+    along = np.linspace(positions[:, 2].min() + 0.05, positions[:, 2].max() - 0.05, 256)
+    power = np.zeros(129)
+    for angle in np.linspace(-np.pi, np.pi, 24, endpoint=False):
+        line = np.abs((around - angle + np.pi) % (2.0 * np.pi) - np.pi) < 0.05
+        order = np.argsort(positions[line, 2])
+        heights = np.interp(along, positions[line, 2][order], radius[line][order])
+        power += np.abs(np.fft.rfft((heights - heights.mean()) * np.hanning(256))) ** 2
+    frequency = np.fft.rfftfreq(256, along[1] - along[0])
+    return float(power[2:].sum() / (power[2:] * frequency[2:]).sum())
 
 
 class Kept(unittest.TestCase):

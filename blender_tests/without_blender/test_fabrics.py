@@ -71,17 +71,18 @@ class Wavelengths(unittest.TestCase):
         longest = wavelength_of(self.base, 0, 1.0)
         amounts = []
         for wavelength in np.geomspace(longest, longest / 31.0, 2000):
-            level, share = layers_for(self.base.mean_edge(), float(wavelength))
+            level, share = layers_for(halvings(self.base.mean_edge(), float(wavelength)))
             self.assertTrue(0.0 < share <= 1.0)
             amounts.append(level - 1 + share)
         steps = np.diff(amounts)
         self.assertGreaterEqual(steps.min(), 0.0)
-        self.assertLess(steps.max(), 0.02)  # no step: 4 a halving, of 2000 / 5
+        self.assertLess(steps.max(), 0.004)  # no step: 4 / 3 a halving, of 2000 / 5
         self.assertEqual((round(amounts[0]), round(amounts[-1])), (0, 5))
 
     def test_at_the_wavelength_of_a_layer_it_is_the_last_and_whole(self) -> None:
         for level in range(6):
-            self.assertEqual(layers_for(self.base.mean_edge(), wavelength_of(self.base, level, 1.0)), (level, 1.0))
+            count = halvings(self.base.mean_edge(), wavelength_of(self.base, level, 1.0))
+            self.assertEqual(layers_for(count), (level, 1.0))
 
     def test_a_finer_layer_begins_with_nothing(self) -> None:
         squeezed = compressed(self.base.positions, 0.85)
@@ -126,6 +127,16 @@ class Wavelengths(unittest.TestCase):
             self.assertAlmostEqual(limit, 1.02, 6)
         for limit in limits(base_cloth="OFF"):
             self.assertEqual(limit, detail)
+
+    def test_the_stiffer_the_cloth_the_more_its_wide_layers_gather(self) -> None:
+        """Denim and leather were bare: their fine layers give less, and their wide ones gave no more than cotton's."""
+        limits = lambda length: [layer.compression_limit for layer in layer_settings(
+            replace(CLOTH, slack=1.0, bending_length=length), 3)]
+        cotton, silk, denim, leather, board = (limits(length) for length in (0.022, 0.016, 0.029, 0.04, 0.2))
+        self.assertEqual(silk, cotton)
+        self.assertAlmostEqual(denim[0] - 1.0, (29.0 / 22.0) ** 3 * (cotton[0] - 1.0), 5)
+        self.assertGreater(leather[1], denim[1])
+        self.assertEqual({leather[2], *board}, {cotton[2]})  # never more than is set
 
     def test_wider_layers_have_more_passes(self) -> None:
         self.assertEqual([layer.iterations for layer in layer_settings(replace(CLOTH, iterations=10), 3)], [60, 30, 10])

@@ -50,7 +50,7 @@ MESH_PRESETS = {
                       dict(bending=0.35, stretch_relief=0.15), old_fold_width=1.0),
     "WOOL": of_fabric(7, "Wool", "Thick and soft: broad round folds", "WOOL", dict(bending=0.95)),
     "DENIM": of_fabric(1, "Denim", "Fewer, broader, stiffer folds: jeans", "DENIM",
-                       dict(bending=1.0, compression_limit=1.25), old_fold_width=2.0),
+                       dict(bending=0.6, compression_limit=1.25), old_fold_width=2.0),
     "LEATHER": of_fabric(2, "Leather", "Stiff: few wide rolls, nothing fine", "LEATHER",
                          dict(bending=1.0, stretch_relief=0.6, compression_limit=1.2), old_fold_width=2.0),
     "STRETCH": replace(of_fabric(

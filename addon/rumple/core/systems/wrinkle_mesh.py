@@ -33,6 +33,7 @@ from ..settings.system_settings import MeshSettings
 MOST_STEPS = 2  # unsolved subdivisions
 MOST_PLAYABLE = 60_000  # solved vertices that still play live on a few cores
 EDGES_PER_WAVELENGTH = 5.0  # measured on garments with bend stiffness of 0.7 and more
+FIRST_SHARE = 0.25  # halvings beyond a layer's wavelength from which on there is a finer layer
 FARTHEST_OWN = 0.25  # an own mesh farther from the base than this share of the base's diagonal is refused
 
 
@@ -52,20 +53,20 @@ def level_for(base: BaseMesh, wavelength: float, unit_scale: float) -> int:
     return max(round(halvings(base.mean_edge() * unit_scale, wavelength)), 0)
 
 
-def layers_for(edge: float, wavelength: float) -> tuple[int, float]:
-    """Subdivisions of the finest layer for a mesh with this mean edge (metres), and the layer's strength, 0 to 1. For a
-    wavelength between two layers, the finer one has a reduced strength, so that any wavelength is possible. A finer
-    layer begins after a quarter of a halving, and has full strength after a half."""
-    count = max(halvings(edge, wavelength), 0.0)
+def layers_for(count: float) -> tuple[int, float]:
+    """Subdivisions of the finest layer if `count` halvings are asked for, and the layer's strength, 0 to 1. For a
+    wavelength between two layers, the finer one has a reduced strength, so that any wavelength is possible."""
+    count = max(count, 0.0)
     level = math.floor(count)
     share = min(share_of_layer(count, level + 1), 1.0)
     return (level + 1, share) if share > 0.0 else (level, 1.0)
 
 
 def share_of_layer(count: Any, layer: int) -> Any:
-    """Strength of a layer if `count` halvings are asked for. It is not clamped: up to 0 there is no such layer, from 1
-    on it has full strength."""
-    return 4.0 * (count - (layer - 1)) - 1.0
+    """Strength of a layer if `count` halvings are asked for: it begins FIRST_SHARE of a halving after the layer before,
+    and grows to 1 until its own wavelength. It is not clamped: up to 0 there is no such layer, from 1 on it has full
+    strength."""
+    return (count - (layer - 1) - FIRST_SHARE) / (1.0 - FIRST_SHARE)
 
 
 def wavelength_of(base: BaseMesh, level: int, unit_scale: float) -> float:
@@ -87,7 +88,9 @@ def suggested_wavelength(base: BaseMesh, unit_scale: float) -> float:
     return float(f"{wavelength:.2g}") if wavelength > 0.0 else MeshSettings.wavelength
 
 
-COARSE_EDGE = 0.033  # metres, edges of the coarse mesh of an adult's garment: its widest folds have five of them
+COARSE_EDGE = 0.033  # metres: distance of the coarse mesh's vertices in an adult's garment of cotton
+MEAN_EDGE = 32.0 / 33.0  # mean edge of a coarse mesh / distance of its vertices: its widest folds have five edges
+MOST_COARSER = math.sqrt(2.0)  # distance of the coarse vertices for some wavelength / usual distance, at most
 WIDE = 0.1  # metres: if the finest folds are this wide, and for every skirt, the coarse edges are twice as long
 DENSE = 20.0 / 33.0  # relative to COARSE_EDGE: a base with shorter edges is solved on a coarse mesh instead
 UNEVEN = 0.1  # ... and so is one with more than this share of its area in faces that are narrower than DENSE
@@ -126,6 +129,13 @@ def cloth_defaults(base: BaseMesh, unit_scale: float, world_from_object: np.ndar
 SIMULATED_DEFAULTS = dict(layers="CLOTH", buckling_threshold=0.01)
 
 
+def fitting_spacing(usual: float, wavelength: float) -> float:
+    """Metres: the distance of coarse vertices nearest to the usual one for which the finest layer has folds of exactly
+    this wavelength, so that every fabric has its own fold width. At most MOST_COARSER times the usual distance."""
+    count = halvings(MEAN_EDGE * usual, wavelength)
+    return usual * min(2.0 ** round(max(round(count), 0) - count, 6), MOST_COARSER)  # six digits are float32's
+
+
 def coarse_mesh(base: BaseMesh, settings: MeshSettings, surface: Any, unit_scale: float,
                 outer: OuterSide | None = None) -> Any:
     """The native coarse mesh that represents a base that is too dense for wide folds, or the outer side of a base with
@@ -135,6 +145,7 @@ def coarse_mesh(base: BaseMesh, settings: MeshSettings, surface: Any, unit_scale
     wide = by_wavelength and (settings.wavelength >= WIDE * size or is_flared(cloth, direction_of(settings.up)))
     spacing = COARSE_EDGE * size * (2.0 if wide else 1.0)
     limit = DENSE * spacing / unit_scale
+    spacing = fitting_spacing(spacing, settings.wavelength) if by_wavelength else spacing
     dense = base.mean_edge() < limit or base.share_narrower_than(limit) > UNEVEN
     if outer is None and not (dense and by_wavelength and settings.base_cloth != "OFF"):
         return None
@@ -213,10 +224,13 @@ class WrinkleMesh(Wrinkles):
         outer = find_outer_side(base, surface, settings.weld)
         coarse = coarse_mesh(base, settings, surface, unit_scale, outer)
         edge = (base.mean_edge() if coarse is None else coarse.mean_edge) * unit_scale
+        count = halvings(edge, settings.wavelength)
+        if coarse is not None:
+            count = float(round(count))  # its edges were made for this wavelength
         level, share, whole = settings.level, 1.0, settings.level
         if settings.density == "WAVELENGTH":
-            whole, share = layers_for(edge, settings.wavelength)
-            asked, _ = layers_for(edge, settings.wavelength * base.narrowest)
+            whole, share = layers_for(count)
+            asked, _ = layers_for(count - math.log2(base.narrowest))
             corners = None if coarse is None else 3 * coarse.surface.triangle_count
             level, notes = base.level_within(asked, settings.display_steps if coarse is None else 0, most_vertices,
                                              corners)
@@ -233,7 +247,7 @@ class WrinkleMesh(Wrinkles):
         except ValueError as error:
             raise user_error(base.name, error) from error
         mesh.layer_count, mesh.level, mesh.finest_share = level + 1, level, share
-        mesh.finer_layers, mesh._halvings = max(level - whole, 0), halvings(edge, settings.wavelength)
+        mesh.finer_layers, mesh._halvings = max(level - whole, 0), count
         mesh.edge_mean = float(model.local_edge(level).mean()) * unit_scale
         mesh._take_viewport_mesh(model if coarse is None else mesh.transfer)
         return mesh
