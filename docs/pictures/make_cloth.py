@@ -32,7 +32,7 @@ from rumple.blender import scheduler  # noqa: E402
 from rumple.blender.objects import bodies, modifier, properties  # noqa: E402
 
 LEAD_IN = 15  # frames that are played before the first one that is shown
-SAMPLES = 32
+SAMPLES = 48
 Tile = tuple[str, Path]
 
 
@@ -91,7 +91,7 @@ def open_scene(scene: Scene, settings: dict[str, object] | None, preset: str = "
 
 
 def set_up_render(direction: Vector) -> None:
-    """Cycles with a key light that rakes over the cloth."""
+    """Cycles with a key light that rakes over the cloth, and little light from elsewhere: folds show by their shadows."""
     scene = bpy.context.scene
     scene.render.engine = "CYCLES"
     scene.cycles.samples, scene.cycles.use_denoising = SAMPLES, False
@@ -102,10 +102,10 @@ def set_up_render(direction: Vector) -> None:
     if bpy.app.version < (5, 0, 0):
         scene.world.use_nodes = True
     background = next(n for n in scene.world.node_tree.nodes if n.type == "BACKGROUND")
-    background.inputs["Color"].default_value = (0.3, 0.32, 0.35, 1.0)
+    background.inputs["Color"].default_value = (0.13, 0.137, 0.145, 1.0)
     key = next(obj for obj in scene.objects if obj.type == "LIGHT")
     key.animation_data_clear()
-    key.data.energy, key.data.angle = 2.5, 0.2
+    key.data.energy, key.data.angle = 3.3, 0.2
     key.rotation_euler = direction.to_track_quat("-Z", "Y").to_euler()
 
 
