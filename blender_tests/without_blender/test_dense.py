@@ -196,6 +196,7 @@ class FoldWidths(unittest.TestCase):
             spacing = fitting_spacing(COARSE_EDGE, float(wavelength))
             self.assertTrue(0.999 / MOST_COARSER < spacing / COARSE_EDGE < 1.001 * MOST_COARSER, wavelength)
         self.assertEqual(fitting_spacing(COARSE_EDGE, np.float32(0.04).item()), COARSE_EDGE)
+        self.assertEqual(fitting_spacing(COARSE_EDGE, 1.0), MOST_COARSER * COARSE_EDGE)  # no layer is as wide
 
 
 def fold_distance(positions: np.ndarray) -> float:
