@@ -18,7 +18,7 @@ SUNS = {
     "Key": ((-0.75, -0.45, 0.55), 3.4, 14.0, (1.0, 0.96, 0.90)),
     "Rim": ((0.55, 0.65, 0.45), 2.0, 10.0, (0.86, 0.92, 1.0)),
 }
-SKY, SKY_STRENGTH = (0.36, 0.40, 0.46), 0.25
+SKY, SKY_STRENGTH = (0.36, 0.40, 0.46), 0.35
 BACKDROP = (0.30, 0.31, 0.32), (0.055, 0.062, 0.075)  # what the camera sees of the sky, at the bottom and at the top
 FLOOR = (0.34, 0.36, 0.39)
 FLOOR_RADIUS = 2.6  # metres: there the floor has faded into the sky

@@ -129,14 +129,13 @@ class Wavelengths(unittest.TestCase):
             self.assertEqual(limit, detail)
 
     def test_the_stiffer_the_cloth_the_more_its_wide_layers_gather(self) -> None:
-        """Denim and leather were bare: their fine layers give less, and their wide ones gave no more than cotton's."""
+        """Leather was bare: its fine layers give less, and its wide ones gave no more than cotton's."""
         limits = lambda length: [layer.compression_limit for layer in layer_settings(
             replace(CLOTH, slack=1.0, bending_length=length), 3)]
         cotton, silk, denim, leather, board = (limits(length) for length in (0.022, 0.016, 0.029, 0.04, 0.2))
-        self.assertEqual(silk, cotton)
-        self.assertAlmostEqual(denim[0] - 1.0, (29.0 / 22.0) ** 3 * (cotton[0] - 1.0), 5)
-        self.assertGreater(leather[1], denim[1])
-        self.assertEqual({leather[2], *board}, {cotton[2]})  # never more than is set
+        for other, length in ((silk, 16.0), (denim, 29.0)):
+            self.assertAlmostEqual(other[0] - 1.0, (length / 22.0) ** 2 * (cotton[0] - 1.0), 5)
+        self.assertEqual({silk[2], *leather, *board}, {cotton[2]})  # never more than is set
 
     def test_wider_layers_have_more_passes(self) -> None:
         self.assertEqual([layer.iterations for layer in layer_settings(replace(CLOTH, iterations=10), 3)], [60, 30, 10])

@@ -9,7 +9,7 @@ import numpy as np
 
 from ...native import kernels
 from ..settings.system_settings import MeshSettings
-from .base_cloth import hanging, length_over_cotton, stiffness_over_cotton
+from .base_cloth import hanging, length_over_cotton
 
 
 def native_settings(settings: MeshSettings) -> Any:
@@ -42,10 +42,10 @@ START_ITERATIONS = 3  # factor on the iterations of a single layer
 # neighbours only. With few passes a fold is only a few edges long, and one long fold becomes several short ones.
 WIDE_PASSES = 3
 # The most length that all layers but the finest gather, relative to the compressed mesh, where they are not made wider.
-# For the same gather, a fold of twice the width is twice as high. So strongly compressed cloth would bulge. On a body,
-# cloth has narrow folds there. Stiff cloth cannot have them: with its stiffness the wide folds get more.
-WIDE_GATHER = 1.05
-FREE_GATHER = 1.15  # the same where cloth hangs free: wide folds have room there, and narrow ones look crumpled
+# For the same gather, a fold of twice the width is twice as high, so strongly compressed cloth would bulge. This is for
+# cotton: the excess over 1 goes with the square of the bending length, because stiff cloth has no narrow folds.
+WIDE_GATHER = 1.15
+FREE_GATHER = 1.15  # no less where cloth hangs free: wide folds have room there, and narrow ones look crumpled
 LOOSER = 2.0  # slack of the layers / slack of the base cloth, where it is not taut
 FINEST_HEM = 2  # rings over which the finest layer fades at open borders: a hem is double, so narrow folds end there
 TAUT_RANGE = 0.03  # range of strain over which a slack base becomes taut: along the pull no length is left for folds
@@ -59,13 +59,17 @@ def slack_factor(settings: MeshSettings, number: int) -> float:
     return LOOSER if number == 0 else LOOSER / max(length_over_cotton(settings.bending_length), LIMPEST)
 
 
-def gather_limit(most: float, stiffness: float, prestretch: float, above: int, finest: float) -> float:
-    """The most length that a layer gathers, relative to the compressed mesh. most: the limit in the settings.
-    stiffness: relative to cotton. prestretch: of the layer. above: how many layers lie on this one, 0 for the finest,
+def wide_gather(bending_length: float) -> float:
+    """WIDE_GATHER for cloth of this bending length (metres)."""
+    return 1.0 + (WIDE_GATHER - 1.0) * length_over_cotton(bending_length) ** 2
+
+
+def gather_limit(most: float, wide: float, prestretch: float, above: int, finest: float) -> float:
+    """The most length that a layer gathers, relative to the compressed mesh. most: the limit in the settings. wide:
+    wide_gather() of the cloth. prestretch: of the layer. above: how many layers lie on this one, 0 for the finest,
     negative for layers that exist only where folds are painted narrower. finest: strength of the finest layer, 0 to 1.
     While it is 0, the layer below counts as the finest."""
-    wide = min(max(1.0 + (WIDE_GATHER - 1.0) * max(stiffness, 1.0), prestretch), most)
-    return float(np.interp(above - 1.0 + finest, (0.0, 1.0), (most, wide)))
+    return float(np.interp(above - 1.0 + finest, (0.0, 1.0), (most, min(max(wide, prestretch), most))))
 
 
 def layer_settings(settings: MeshSettings, count: int, finest: float = 1.0,
@@ -93,8 +97,7 @@ def layer_settings(settings: MeshSettings, count: int, finest: float = 1.0,
                 options.hem_rings = max(options.hem_rings, FINEST_HEM)
             excess = share * slack_factor(settings, number) * (settings.slack - 1.0)
             options.prestretch = settings.prestretch * (1.0 + excess)
-            options.compression_limit = gather_limit(settings.compression_limit,
-                                                     stiffness_over_cotton(settings.bending_length),
+            options.compression_limit = gather_limit(settings.compression_limit, wide_gather(settings.bending_length),
                                                      options.prestretch, above, finest)
             options.free_compression_limit = max(min(FREE_GATHER, settings.compression_limit),
                                                  options.compression_limit)
