@@ -91,7 +91,7 @@ def open_scene(scene: Scene, settings: dict[str, object] | None, preset: str = "
 
 
 def set_up_render(direction: Vector) -> None:
-    """Cycles with a key light that rakes over the cloth, and little light from elsewhere: folds show by their shadows."""
+    """Cycles with a key light that rakes over the cloth. Little light comes from elsewhere: folds show by shadows."""
     scene = bpy.context.scene
     scene.render.engine = "CYCLES"
     scene.cycles.samples, scene.cycles.use_denoising = SAMPLES, False

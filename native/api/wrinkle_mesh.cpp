@@ -38,7 +38,6 @@ static void pair_fields(rumple_wrinkle_mesh_settings& c, Settings& native, const
     pair(c.stretch_relief, native.stretch_relief);
     pair(c.buckling_threshold, native.buckling_threshold);
     pair(c.compression_limit, native.compression_limit);
-    pair(c.free_compression_limit, native.free_compression_limit);
     pair(c.hem_rings, native.hem_rings);
     pair(c.iterations, native.iterations);
     pair(c.start_iterations, native.start_iterations);

@@ -154,8 +154,6 @@ rumple_wrinkle_mesh_settings mesh_settings(Bytes& bytes) {
                s.bend_radius, s.apart, s.slide, s.nudge, s.seed, s.threads);
     const int rest = bytes.byte();
     if (rest % 4 == 3) vary(s.rest, bytes);
-    s.free_compression_limit =
-        float(rest) / 64.0f;  // from the same byte, so that kept inputs keep their meaning
     return s;
 }
 

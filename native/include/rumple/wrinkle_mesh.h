@@ -62,24 +62,23 @@ typedef enum rumple_offset_space {
 
 // Lengths are relative to the fine mesh.
 typedef struct rumple_wrinkle_mesh_settings {
-    float radius;                  // r: attachment radius / mean length of the edges around a vertex, >= 0
-    float prestretch;              // s: rest length / measured length, > 0
-    float bending;                 // k_bending, 0..1
-    int32_t collision;             // rumple_collision
-    float inside;                  // depth of the collision plane below the surface, in radii, 0..1
-    float stretch_relief;          // share of the base's stretch that the rest lengths adopt, 0..1
-    float buckling_threshold;      // compression of the base that causes no folds, share of the length, 0..1
-    float compression_limit;       // largest rest length / length on the base, >= 1
-    float free_compression_limit;  // the same where cloth hangs free (painted as `worn`), >= 1
-    int32_t hem_rings;             // rings over which r fades to 0 at open borders, >= 0
-    int32_t iterations;            // passes from a given state, >= 0
-    int32_t start_iterations;      // passes from the canonical start, >= 0
-    float damping;                 // share of the former offset that is kept, 0..1
-    int32_t offset_space;          // rumple_offset_space
-    float tangential_pull;         // share of a vertex's offset along the surface that a pass removes, 0..1
-    float normal_pull;             // the same for the offset along the normal, 0..1
-    float slack;                   // layers only: length / rest length at which the base is taut, > 0
-    float taut_range;   // layers only: range below slack where s falls to prestretch, >= 0; 0: none
+    float radius;              // r: attachment radius / mean length of the edges around a vertex, >= 0
+    float prestretch;          // s: rest length / measured length, > 0
+    float bending;             // k_bending, 0..1
+    int32_t collision;         // rumple_collision
+    float inside;              // depth of the collision plane below the surface, in radii, 0..1
+    float stretch_relief;      // share of the base's stretch that the rest lengths adopt, 0..1
+    float buckling_threshold;  // compression of the base that causes no folds, share of the length, 0..1
+    float compression_limit;   // largest rest length / length on the base, >= 1
+    int32_t hem_rings;         // rings over which r fades to 0 at open borders, >= 0
+    int32_t iterations;        // passes from a given state, >= 0
+    int32_t start_iterations;  // passes from the canonical start, >= 0
+    float damping;             // share of the former offset that is kept, 0..1
+    int32_t offset_space;      // rumple_offset_space
+    float tangential_pull;     // share of a vertex's offset along the surface that a pass removes, 0..1
+    float normal_pull;         // the same for the offset along the normal, 0..1
+    float slack;               // layers only: length / rest length at which the base is taut, > 0
+    float taut_range;          // layers only: range below slack where s falls to prestretch, >= 0; 0: none
     float hang[3];      // layers only: direction in which weight pulls cloth taut; object space, length 0..1
     float bend_radius;  // layers only, read from the first one: object units, >= 0: lines with a smaller
                         // radius of curvature get no folds; 0: all lines may
@@ -102,7 +101,7 @@ typedef struct rumple_wrinkle_mesh_painted {
     size_t bending_count;
     const float* inside;  // inside x value
     size_t inside_count;
-    const float* worn;  // 1: compression_limit applies; 0: hangs free, free_compression_limit applies
+    const float* worn;  // 0: hangs free, so that its extra width does not count; 1: it counts
     size_t worn_count;
     const float* along;  // (n, 3): direction of the folds at rest, v and -v mean the same; its length,
     size_t along_count;  // 0..1, is the strength; or none

@@ -80,12 +80,12 @@ Lanes share_without_place(const Pairs& pairs, const std::vector<SpareCloth>& spa
 
 // The target length of pairs in this pose. In the paper it is always s l0. Here it follows a part of the
 // base's stretch and a small compression. If the base collapses, it is limited relative to the base's length.
-Lanes target_length(const Settings& settings, const Lanes& limit, const Lanes& s, const Lanes& rest,
+Lanes target_length(const Settings& settings, const Lanes& s, const Lanes& rest,
                     const Lanes& at_attachments) {
     Lanes target = s * rest;
     target += settings.stretch_relief * most(at_attachments - target, Lanes{});
     target -= within(target - at_attachments, Lanes{}, settings.buckling_threshold * target);
-    return least(limit * at_attachments, target);
+    return least(settings.compression_limit * at_attachments, target);
 }
 
 // Unit: thicknesses. If cloth is this far above the surface worn under it, all of its extra width is
@@ -325,11 +325,6 @@ Targets make_targets(const Model& model, const Settings& settings, const Paint& 
             sum[k] = values[pairs.a[first + k]] + values[pairs.b[first + k]];
         return 0.5f * sum;
     };
-    const auto limit_at = [&](const Pairs& pairs, size_t first, size_t count) {
-        const Lanes worn = all_lanes(settings.compression_limit);
-        if (paint.worn.empty()) return worn;
-        return mix(all_lanes(settings.free_compression_limit), worn, both(paint.worn, pairs, first, count));
-    };
     // The extra width of cloth counts only where there is room for it. It does not count in cloth that hangs
     // free, which has enough width there.
     const auto spare_at = [&](const Pairs& pairs, size_t first, size_t count) {
@@ -351,7 +346,7 @@ Targets make_targets(const Model& model, const Settings& settings, const Paint& 
                 by_tension || straight_only ? ways_along(pairs, rows, first, count) : Vec3Lanes();
             const Lanes s = by_tension ? pre_stretch(settings, painted_here, way, rest)
                                        : most_pre_stretch(settings, painted_here);
-            Lanes target = target_length(settings, limit_at(pairs, first, count), s, rest, length);
+            Lanes target = target_length(settings, s, rest, length);
             if (straight_only)
                 target = mix(target, least(target, length),
                              share_without_place(pairs, pose.spare, way, first, count));

@@ -221,7 +221,6 @@ void check(const Settings& settings) {
     expect_within("stretch_relief", settings.stretch_relief, 0.0, 1.0);
     expect_within("buckling_threshold", settings.buckling_threshold, 0.0, 1.0);
     expect_within("compression_limit", settings.compression_limit, 1.0, 1e6);
-    expect_within("free_compression_limit", settings.free_compression_limit, 1.0, 1e6);
     expect_within("hem_rings", settings.hem_rings, 0, 1e6);
     expect_within("iterations", settings.iterations, 0, 1e6);
     expect_within("start_iterations", settings.start_iterations, 0, 1e6);

@@ -33,11 +33,10 @@ struct Settings {
     float buckling_threshold =
         0.0f;                        // compression of the base that bears no folds, share of the length, 0..1
     float compression_limit = 1.3f;  // rest length at most this times the base's length, >= 1
-    float free_compression_limit = 1.3f;  // the same for cloth that hangs free (Paint::worn), >= 1
-    int hem_rings = 3;                    // rings over which r fades to 0 at open borders; 0: no fade
-    int iterations = 10;                  // from a given state, >= 0
-    int start_iterations = 20;            // from the canonical start, >= 0
-    float damping = 0.3f;                 // share of the former offset that is kept, 0..1
+    int hem_rings = 3;               // rings over which r fades to 0 at open borders; 0: no fade
+    int iterations = 10;             // from a given state, >= 0
+    int start_iterations = 20;       // from the canonical start, >= 0
+    float damping = 0.3f;            // share of the former offset that is kept, 0..1
     OffsetSpace offset_space = OffsetSpace::kTriangle;
     // Share of the distance to the attachment by which every pass pulls a vertex back, along the surface and
     // off it, 0..1. Without it cloth drifts within its radius, so folds in a frame depend on the frames
@@ -70,7 +69,7 @@ struct Paint {
     std::vector<float> prestretch;  // 1 + (s - 1) x value
     std::vector<float> bending;     // k x value
     std::vector<float> inside;      // inside x value
-    std::vector<float> worn;        // 1: compression_limit applies; 0: free_compression_limit, for free cloth
+    std::vector<float> worn;        // 0: hangs free, so that its extra width does not count; 1: it counts
     // Directions for folds along lines of the base; none: no directions. Layers use the guide of the first
     // one.
     std::shared_ptr<const GuideLines> guide{};

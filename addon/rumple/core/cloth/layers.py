@@ -19,7 +19,6 @@ def native_settings(settings: MeshSettings) -> Any:
                  "compression_limit", "hem_rings", "iterations", "start_iterations", "damping", "offset_space", "nudge",
                  "seed"):
         setattr(options, name, getattr(settings, name))
-    options.free_compression_limit = settings.compression_limit
     settings.fill_reference(options)
     return options
 
@@ -45,7 +44,6 @@ WIDE_PASSES = 3
 # For the same gather, a fold of twice the width is twice as high, so strongly compressed cloth would bulge. This is for
 # cotton: the excess over 1 goes with the square of the bending length, because stiff cloth has no narrow folds.
 WIDE_GATHER = 1.15
-FREE_GATHER = 1.15  # no less where cloth hangs free: wide folds have room there, and narrow ones look crumpled
 LOOSER = 2.0  # slack of the layers / slack of the base cloth, where it is not taut
 FINEST_HEM = 2  # rings over which the finest layer fades at open borders: a hem is double, so narrow folds end there
 TAUT_RANGE = 0.03  # range of strain over which a slack base becomes taut: along the pull no length is left for folds
@@ -99,8 +97,6 @@ def layer_settings(settings: MeshSettings, count: int, finest: float = 1.0,
             options.prestretch = settings.prestretch * (1.0 + excess)
             options.compression_limit = gather_limit(settings.compression_limit, wide_gather(settings.bending_length),
                                                      options.prestretch, above, finest)
-            options.free_compression_limit = max(min(FREE_GATHER, settings.compression_limit),
-                                                 options.compression_limit)
             options.slack, options.taut_range = settings.slack, TAUT_RANGE
             options.hang, options.bend_radius = hang, bend
         out.append(options)

@@ -62,7 +62,6 @@ class WrinkleMeshSettings(Struct):
     stretch_relief: float  # share of the base's stretch that the rest lengths adopt, 0..1
     buckling_threshold: float  # compression of the base that causes no folds, share of the length, 0..1
     compression_limit: float  # largest rest length / length on the base, >= 1
-    free_compression_limit: float  # the same where cloth hangs free (painted as `worn`), >= 1
     hem_rings: int  # rings over which r fades to 0 at open borders, >= 0
     iterations: int  # passes from a given state, >= 0
     start_iterations: int  # passes from the canonical start, >= 0
@@ -84,11 +83,11 @@ class WrinkleMeshSettings(Struct):
     rest: ReferenceSettings  # the shape that compression is measured against
     _fields_ = (("radius", c_float), ("prestretch", c_float), ("bending", c_float), ("collision", c_int32),
         ("inside", c_float), ("stretch_relief", c_float), ("buckling_threshold", c_float),
-        ("compression_limit", c_float), ("free_compression_limit", c_float), ("hem_rings", c_int32),
-        ("iterations", c_int32), ("start_iterations", c_int32), ("damping", c_float), ("offset_space", c_int32),
-        ("tangential_pull", c_float), ("normal_pull", c_float), ("slack", c_float), ("taut_range", c_float),
-        ("hang", c_float * 3), ("bend_radius", c_float), ("apart", c_float), ("slide", c_float), ("nudge", c_float),
-        ("seed", c_uint32), ("threads", c_int32), ("rest", ReferenceSettings),)
+        ("compression_limit", c_float), ("hem_rings", c_int32), ("iterations", c_int32),
+        ("start_iterations", c_int32), ("damping", c_float), ("offset_space", c_int32), ("tangential_pull", c_float),
+        ("normal_pull", c_float), ("slack", c_float), ("taut_range", c_float), ("hang", c_float * 3),
+        ("bend_radius", c_float), ("apart", c_float), ("slide", c_float), ("nudge", c_float), ("seed", c_uint32),
+        ("threads", c_int32), ("rest", ReferenceSettings),)
 
 
 class WrinkleMeshPainted(Struct):
@@ -103,7 +102,7 @@ class WrinkleMeshPainted(Struct):
     bending_count: int
     inside: int | None  # inside x value
     inside_count: int
-    worn: int | None  # 1: compression_limit applies; 0: hangs free, free_compression_limit applies
+    worn: int | None  # 0: hangs free, so that its extra width does not count; 1: it counts
     worn_count: int
     along: int | None  # (n, 3): direction of the folds at rest, v and -v mean the same; its length,
     along_count: int  # 0..1, is the strength; or none
