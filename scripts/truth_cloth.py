@@ -6,7 +6,7 @@ So gravity is set for the frame rate, and what matters is stiffness against the 
 are those of a light cotton jersey at edges of about 8 mm: 0.2 % strain under its own weight from collar to hem.
 How stiffly it bends is set as its bending length, metres, for Blender's stiffness depends on the mesh: strips of 8 cm
 that hang over an edge (F. T. Peirce 1930) have BENDING * edge * (bending_stiffness / mass)^(1/3) at 30 frames a second,
-with edges of 5, 8 and 10 mm, stiffness over mass of 60 to 3600.
+with edges of 5, 8 and 10 mm, within a tenth.
 Bending and its damping are explicit there: stable while 0.6 * bending_stiffness / mass / quality^2 is below about 1 and
 1.3 * bending_damping * bending_stiffness / mass / quality below 1. Beyond that the cloth is crepe, then rags.
 """
@@ -154,23 +154,32 @@ def vertex_spacing(surface: Surface) -> float:
     return float(np.sqrt(0.5 * np.linalg.norm(np.cross(b - a, c - a), axis=1).sum() / len(surface.rest)))
 
 
-def add_cloth(garment: bpy.types.Object, hold: Hold, fabric: Fabric, clip: Clip) -> None:
-    """The Cloth modifier after the garment's motion."""
-    cloth = garment.modifiers.new("Cloth", "CLOTH")
-    settings, collisions = cloth.settings, cloth.collision_settings
-    settings.vertex_group_mass = add_group(garment, "Pin", hold.pins ** 0.25)  # the solver takes the fourth power
-    settings.vertex_group_bending = add_group(garment, "Hems", hold.hems)
+def set_fabric(settings: bpy.types.ClothSettings, fabric: Fabric, edge: float, fps: float) -> None:
+    """How it stretches, bends and is damped on a mesh with edges of this length (metres)."""
     settings.bending_model = "ANGULAR"
     for name in ("mass", "tension_stiffness", "compression_stiffness", "shear_stiffness", "tension_damping",
                  "compression_damping", "shear_damping", "air_damping", "pin_stiffness"):
         setattr(settings, name, getattr(fabric, name))
-    stiffness, quality, damping = fabric.bending(vertex_spacing(clip.garment), clip.fps)
+    stiffness, quality, damping = fabric.bending(edge, fps)
     for name, value in (("quality", quality), ("bending_stiffness", stiffness), ("bending_damping", damping),
                         ("tension_stiffness_max", fabric.tension_stiffness),
                         ("compression_stiffness_max", fabric.compression_stiffness),
                         ("shear_stiffness_max", fabric.shear_stiffness),
                         ("bending_stiffness_max", fabric.hem_stiffness * stiffness)):
         setattr(settings, name, value)
+
+
+def set_gravity(scene: bpy.types.Scene, fps: float) -> None:
+    scene.gravity = (0.0, 0.0, -GRAVITY * 1000.0 / fps ** 2)
+
+
+def add_cloth(garment: bpy.types.Object, hold: Hold, fabric: Fabric, clip: Clip) -> None:
+    """The Cloth modifier after the garment's motion."""
+    cloth = garment.modifiers.new("Cloth", "CLOTH")
+    settings, collisions = cloth.settings, cloth.collision_settings
+    settings.vertex_group_mass = add_group(garment, "Pin", hold.pins ** 0.25)  # the solver takes the fourth power
+    settings.vertex_group_bending = add_group(garment, "Hems", hold.hems)
+    set_fabric(settings, fabric, vertex_spacing(clip.garment), clip.fps)
     collisions.use_collision, collisions.use_self_collision = True, fabric.self_collision
     for name in ("collision_quality", "distance_min", "self_distance_min", "self_friction"):
         setattr(collisions, name, getattr(fabric, name))
@@ -183,7 +192,7 @@ def build(clip: Clip, hold: Hold, fabric: Fabric, inner: bool, folder: Path) -> 
     scene = bpy.context.scene
     total = len(clip.garment.positions)
     scene.frame_start, scene.frame_end = 1, total
-    scene.gravity = (0.0, 0.0, -GRAVITY * 1000.0 / clip.fps ** 2)
+    set_gravity(scene, clip.fps)
     if inner:
         lining = shrunk(clip.inner, clip.bodies, fabric)
         add_collider(moving_object("inner", lining, folder), fabric.inner_thickness, fabric)

@@ -56,7 +56,7 @@ S2 = Scene("S2_squat_trousers", ("trousers", "sweater"), ("sweater", "trousers")
            Vector((1.5, -2.6, 0.5)), raised=0.06)
 SHIRT = Scene("S1_walk_shirt", ("trousers", "shirt"), ("shirt",), (61,), Vector((1.0, -1.75, 0.25)), 84.0,
               key=S1.key)
-SWEATER = Scene("S2_squat_trousers", ("trousers", "sweater"), ("sweater",), (63,), Vector((0.9, -1.9, 0.4)), 84.0)
+FIGURE = replace(S1, frames=(61,), lens=100.0, raised=0.31)
 ONE_LAYER = {"base_cloth": "OFF", "layers": "ONE"}
 
 
@@ -263,13 +263,13 @@ def layers(folder: Path) -> tuple[list[Tile], int]:
 
 
 def fabrics(folder: Path) -> tuple[list[Tile], int]:
-    """Sweater and trousers of one fabric."""
-    at = middles(SWEATER)
-    open_scene(SWEATER, None)
-    tiles = play(SWEATER, at, lambda frame: "As animated", folder)
+    """Shirt and trousers of one fabric."""
+    at = middles(FIGURE)
+    open_scene(FIGURE, None)
+    tiles = play(FIGURE, at, lambda frame: "As animated", folder)
     for preset in ("SILK", "JERSEY", "COTTON", "WOOL", "DENIM", "LEATHER", "STRETCH"):
-        open_scene(SWEATER, {}, preset)
-        tiles += play(SWEATER, at, lambda frame, preset=preset: preset.title(), folder)
+        open_scene(FIGURE, {}, preset)
+        tiles += play(FIGURE, at, lambda frame, preset=preset: preset.title(), folder)
     return tiles, 2
 
 
