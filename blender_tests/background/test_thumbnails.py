@@ -10,6 +10,7 @@ from unittest import mock
 import bpy
 from rumple.blender.objects import properties
 from rumple.blender.ui import thumbnails
+from rumple.core.settings.presets import MESH_PRESETS
 from rumple.core.systems.all_systems import SYSTEMS
 from support import sleeve
 
@@ -57,7 +58,7 @@ class Thumbnails(unittest.TestCase):
         self.assertEqual(manager.rumple_fabric, "COTTON")
         manager.rumple_fabric = "DENIM"
         self.assertEqual((obj.rumple.mesh.preset, manager.rumple_fabric), ("DENIM", "DENIM"))
-        self.assertAlmostEqual(obj.rumple.mesh.bending, 1.0)
+        self.assertAlmostEqual(obj.rumple.mesh.bending, MESH_PRESETS["DENIM"].values["bending"], 6)
 
     def test_without_pictures_or_with_broken_ones_there_are_words(self) -> None:
         with tempfile.TemporaryDirectory() as place:

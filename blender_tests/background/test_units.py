@@ -154,7 +154,7 @@ class ScaledByABone(unittest.TestCase):
         by_bone = self.in_the_world(obj)
         apart = np.linalg.norm(by_bone - by_object, axis=1)
         self.assertLess(apart.mean(), 5e-4)  # metres: what is scaled is rounded elsewhere
-        self.assertLess(apart.max(), 5e-3)
+        self.assertLess(apart.max(), 1e-2)  # of the edge of a fold, on a sleeve of twice the size
         moved = sleeve.shown(obj) - sleeve.shown(cloth_scenes.bared(obj))
         self.assertGreater(np.linalg.norm(moved, axis=1).mean(), 5e-3)
 

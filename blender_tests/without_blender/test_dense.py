@@ -12,7 +12,7 @@ from rumple.core.mesh.body import Body
 from rumple.core.settings.fabrics import FABRICS
 from rumple.core.settings.system_settings import MeshSettings
 from rumple.core.systems.wrinkle_mesh import (
-    COARSE_EDGE, MOST_COARSER, WrinkleMesh, cloth_defaults, coarse_mesh, fitting_spacing)
+    COARSE_SPACING, MOST_COARSER, WrinkleMesh, cloth_defaults, coarse_mesh, fitting_spacing)
 from support.frames import solve_frame
 from support.meshes import tube
 
@@ -193,10 +193,10 @@ class FoldWidths(unittest.TestCase):
 
     def test_the_spacing_stays_near_the_usual_one(self) -> None:
         for wavelength in np.geomspace(0.001, 10.0, 200):
-            spacing = fitting_spacing(COARSE_EDGE, float(wavelength))
-            self.assertTrue(0.999 / MOST_COARSER < spacing / COARSE_EDGE < 1.001 * MOST_COARSER, wavelength)
-        self.assertEqual(fitting_spacing(COARSE_EDGE, np.float32(0.04).item()), COARSE_EDGE)
-        self.assertEqual(fitting_spacing(COARSE_EDGE, 1.0), MOST_COARSER * COARSE_EDGE)  # no layer is as wide
+            spacing = fitting_spacing(COARSE_SPACING, float(wavelength))
+            self.assertTrue(0.999 / MOST_COARSER < spacing / COARSE_SPACING < 1.001 * MOST_COARSER, wavelength)
+        self.assertEqual(fitting_spacing(COARSE_SPACING, np.float32(0.04).item()), COARSE_SPACING)
+        self.assertEqual(fitting_spacing(COARSE_SPACING, 1.0), MOST_COARSER * COARSE_SPACING)  # no layer is as wide
 
 
 def fold_distance(positions: np.ndarray) -> float:

@@ -88,11 +88,11 @@ def suggested_wavelength(base: BaseMesh, unit_scale: float) -> float:
     return float(f"{wavelength:.2g}") if wavelength > 0.0 else MeshSettings.wavelength
 
 
-COARSE_EDGE = 0.033  # metres: distance of the coarse mesh's vertices in an adult's garment of cotton
+COARSE_SPACING = 0.033  # metres: distance of the coarse mesh's vertices in an adult's garment of cotton
 MEAN_EDGE = 32.0 / 33.0  # mean edge of a coarse mesh / distance of its vertices: its widest folds have five edges
 MOST_COARSER = math.sqrt(2.0)  # distance of the coarse vertices for some wavelength / usual distance, at most
 WIDE = 0.1  # metres: if the finest folds are this wide, and for every skirt, the coarse edges are twice as long
-DENSE = 20.0 / 33.0  # relative to COARSE_EDGE: a base with shorter edges is solved on a coarse mesh instead
+DENSE = 20.0 / 33.0  # relative to COARSE_SPACING: a base with shorter edges is solved on a coarse mesh instead
 UNEVEN = 0.1  # ... and so is one with more than this share of its area in faces that are narrower than DENSE
 # Metres: the finest folds of an adult's cotton garment. Cloth that hangs free has few, wide folds.
 CLOTH_WAVELENGTH, SKIRT_WAVELENGTH = 0.04, 0.14
@@ -143,7 +143,7 @@ def coarse_mesh(base: BaseMesh, settings: MeshSettings, surface: Any, unit_scale
     size = size_factor(base.diagonal(), unit_scale)
     by_wavelength, cloth = settings.density == "WAVELENGTH", base if outer is None else outer.mesh
     wide = by_wavelength and (settings.wavelength >= WIDE * size or is_flared(cloth, direction_of(settings.up)))
-    spacing = COARSE_EDGE * size * (2.0 if wide else 1.0)
+    spacing = COARSE_SPACING * size * (2.0 if wide else 1.0)
     limit = DENSE * spacing / unit_scale
     spacing = fitting_spacing(spacing, settings.wavelength) if by_wavelength else spacing
     dense = base.mean_edge() < limit or base.share_narrower_than(limit) > UNEVEN
