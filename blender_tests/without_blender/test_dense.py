@@ -12,7 +12,7 @@ from rumple.core.mesh.body import Body
 from rumple.core.settings.fabrics import FABRICS
 from rumple.core.settings.system_settings import MeshSettings
 from rumple.core.systems.wrinkle_mesh import (
-    COARSE_SPACING, MOST_COARSER, WrinkleMesh, cloth_defaults, coarse_mesh, fitting_spacing)
+    COARSE_SPACING, SPACING_RANGE, WrinkleMesh, cloth_defaults, coarse_mesh, fitting_spacing)
 from support.frames import solve_frame
 from support.meshes import tube
 
@@ -194,9 +194,9 @@ class FoldWidths(unittest.TestCase):
     def test_the_spacing_stays_near_the_usual_one(self) -> None:
         for wavelength in np.geomspace(0.001, 10.0, 200):
             spacing = fitting_spacing(COARSE_SPACING, float(wavelength))
-            self.assertTrue(0.999 / MOST_COARSER < spacing / COARSE_SPACING < 1.001 * MOST_COARSER, wavelength)
+            self.assertTrue(0.999 / SPACING_RANGE < spacing / COARSE_SPACING < 1.001 * SPACING_RANGE, wavelength)
         self.assertEqual(fitting_spacing(COARSE_SPACING, np.float32(0.04).item()), COARSE_SPACING)
-        self.assertEqual(fitting_spacing(COARSE_SPACING, 1.0), MOST_COARSER * COARSE_SPACING)  # no layer is as wide
+        self.assertEqual(fitting_spacing(COARSE_SPACING, 1.0), SPACING_RANGE * COARSE_SPACING)  # no layer is as wide
 
 
 def fold_distance(positions: np.ndarray) -> float:

@@ -90,7 +90,7 @@ def suggested_wavelength(base: BaseMesh, unit_scale: float) -> float:
 
 COARSE_SPACING = 0.033  # metres: distance of the coarse mesh's vertices in an adult's garment of cotton
 MEAN_EDGE = 32.0 / 33.0  # mean edge of a coarse mesh / distance of its vertices: its widest folds have five edges
-MOST_COARSER = math.sqrt(2.0)  # distance of the coarse vertices for some wavelength / usual distance, at most
+SPACING_RANGE = math.sqrt(2.0)  # distance of coarse vertices / COARSE_SPACING: at most this, at least 1 / this
 WIDE = 0.1  # metres: if the finest folds are this wide, and for every skirt, the coarse edges are twice as long
 DENSE = 20.0 / 33.0  # relative to COARSE_SPACING: a base with shorter edges is solved on a coarse mesh instead
 UNEVEN = 0.1  # ... and so is one with more than this share of its area in faces that are narrower than DENSE
@@ -131,9 +131,9 @@ SIMULATED_DEFAULTS = dict(layers="CLOTH", buckling_threshold=0.01)
 
 def fitting_spacing(usual: float, wavelength: float) -> float:
     """Metres: the distance of coarse vertices nearest to the usual one for which the finest layer has folds of exactly
-    this wavelength, so that every fabric has its own fold width. At most MOST_COARSER times the usual distance."""
+    this wavelength, so that every fabric has its own fold width. At most SPACING_RANGE times the usual one."""
     count = halvings(MEAN_EDGE * usual, wavelength)
-    return usual * min(2.0 ** round(max(round(count), 0) - count, 6), MOST_COARSER)  # six digits are float32's
+    return usual * min(2.0 ** round(max(round(count), 0) - count, 6), SPACING_RANGE)  # six digits are float32's
 
 
 def coarse_mesh(base: BaseMesh, settings: MeshSettings, surface: Any, unit_scale: float,
