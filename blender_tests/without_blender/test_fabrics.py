@@ -128,6 +128,15 @@ class Wavelengths(unittest.TestCase):
         for limit in limits(base_cloth="OFF"):
             self.assertEqual(limit, detail)
 
+    def test_wide_layers_alone_gather_less_where_cloth_touches_a_body(self) -> None:
+        *wide, detail = (layer.contact_gather for layer in layer_settings(CLOTH, 4))
+        self.assertEqual((set(wide), detail), ({wide[0]}, 1.0))
+        self.assertTrue(0.2 < wide[0] < 0.5)
+        begun = [layer.contact_gather for layer in layer_settings(CLOTH, 3, finest=0.5)]
+        self.assertTrue(begun[0] < begun[1] < begun[2] == 1.0)  # the second one is half of a finest layer
+        off = replace(CLOTH, base_cloth="OFF")
+        self.assertEqual({layer.contact_gather for layer in layer_settings(off, 3)}, {1.0})
+
     def test_the_stiffer_the_cloth_the_more_its_wide_layers_gather(self) -> None:
         """Leather was bare: its fine layers give less, and its wide ones gave no more than cotton's."""
         limits = lambda length: [layer.compression_limit for layer in layer_settings(

@@ -49,6 +49,7 @@ static void pair_fields(rumple_wrinkle_mesh_settings& c, Settings& native, const
     pair(c.taut_range, native.taut_range);
     pair(c.hang, native.hang);
     pair(c.bend_radius, native.bend_radius);
+    pair(c.contact_gather, native.contact_gather);
     pair(c.apart, native.apart);
     pair(c.slide, native.slide);
     pair(c.nudge, native.nudge);

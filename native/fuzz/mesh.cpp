@@ -154,6 +154,7 @@ rumple_wrinkle_mesh_settings mesh_settings(Bytes& bytes) {
                s.bend_radius, s.apart, s.slide, s.nudge, s.seed, s.threads);
     const int rest = bytes.byte();
     if (rest % 4 == 3) vary(s.rest, bytes);
+    s.contact_gather = float(rest) / 255.0f;  // from the same byte, so that kept inputs keep their meaning
     return s;
 }
 

@@ -228,6 +228,29 @@ TEST(WrinkleMeshBody, ClothThatLiesOnABodyHasNothingToSpareUntilItIsPressedToget
     EXPECT_GT(apart(solved(squeezed, 0.0f, 0, 1.0f), unfolded), 1e-3f);
 }
 
+// Hips of trousers had the wide folds of their legs. A wide fold has no room where cloth touches what is
+// under it.
+TEST(WrinkleMeshBody, ClothThatTouchesABodyGathersItsShareAndAllOfItWithRoomForAnEdge) {
+    const Stack stack(grid(10, 8, 0.04f), 0);
+    const Pose3 pose = stack.squeezed(0.5f);
+    const auto solved = [&](float gap, float limit, float contact_gather) {
+        const std::vector<float> gaps(pose.size(), gap);
+        Input input{pose};
+        input.gap = gaps;
+        Settings settings;
+        settings.compression_limit = limit;
+        settings.contact_gather = contact_gather;
+        return stack.solve(input, alike(stack.count(), settings)).solved;
+    };
+    EXPECT_EQ(solved(0.0f, 1.5f, 0.5f), solved(0.0f, 1.25f, 1.0f));
+    EXPECT_EQ(solved(0.0f, 1.5f, 0.0f), solved(0.0f, 1.0f, 1.0f));
+    EXPECT_EQ(solved(0.05f, 1.5f, 0.5f), solved(0.05f, 1.5f, 1.0f));
+    const auto least = solved(0.01f, 1.25f, 1.0f), most = solved(0.01f, 1.5f, 1.0f);
+    const auto between = solved(0.01f, 1.5f, 0.5f);
+    EXPECT_GT(apart(between, least), 1e-3f);
+    EXPECT_GT(apart(between, most), 1e-3f);
+}
+
 // The inner side of thick cloth stays off the body by the thickness, so the cloth by so much more.
 TEST(WrinkleMeshBody, AnInnerSideStaysOffTheBodyToo) {
     const Stack stack(tube(20, 24, 0.06f, 0.5f), 1);

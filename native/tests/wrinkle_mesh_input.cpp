@@ -30,6 +30,7 @@ const std::vector<Range> kRanges = {
     {"stretch_relief", [](Settings& s, float x) { s.stretch_relief = x; }, 0.0f, 1.0f, false},
     {"buckling_threshold", [](Settings& s, float x) { s.buckling_threshold = x; }, 0.0f, 1.0f, false},
     {"compression_limit", [](Settings& s, float x) { s.compression_limit = x; }, 1.0f, 1e6f, false},
+    {"contact_gather", [](Settings& s, float x) { s.contact_gather = x; }, 0.0f, 1.0f, false},
     {"damping", [](Settings& s, float x) { s.damping = x; }, 0.0f, 1.0f, false},
     {"nudge", [](Settings& s, float x) { s.nudge = x; }, 0.0f, 1e3f, false},
     {"hem_rings", [](Settings& s, float x) { s.hem_rings = int(x); }, 0.0f, 1e6f, true},

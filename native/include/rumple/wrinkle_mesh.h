@@ -82,11 +82,13 @@ typedef struct rumple_wrinkle_mesh_settings {
     float hang[3];      // layers only: direction in which weight pulls cloth taut; object space, length 0..1
     float bend_radius;  // layers only, read from the first one: object units, >= 0: lines with a smaller
                         // radius of curvature get no folds; 0: all lines may
-    float apart;        // layers only: share of the distance to other cloth that a vertex may move, 0..0.5
-    float slide;        // layers only: share of its triangles' heights that it may move along them, 0..0.5
-    float nudge;        // size of the random push of unbuckled vertices, in fine edges, >= 0
-    uint32_t seed;      // seed of this push
-    int32_t threads;    // 0: chosen by size; never changes the result
+    float contact_gather;  // layers only: share of compression_limit - 1 where cloth touches what is worn
+                           // under it, 0..1; with room for an edge of the layer it is all of it
+    float apart;           // layers only: share of the distance to other cloth that a vertex may move, 0..0.5
+    float slide;           // layers only: share of its triangles' heights that it may move along them, 0..0.5
+    float nudge;           // size of the random push of unbuckled vertices, in fine edges, >= 0
+    uint32_t seed;         // seed of this push
+    int32_t threads;       // 0: chosen by size; never changes the result
     rumple_reference_settings rest;  // the shape that compression is measured against
 } rumple_wrinkle_mesh_settings;
 RUMPLE_API rumple_wrinkle_mesh_settings rumple_wrinkle_mesh_settings_default(void);

@@ -80,107 +80,29 @@ Lanes share_without_place(const Pairs& pairs, const std::vector<SpareCloth>& spa
 
 // The target length of pairs in this pose. In the paper it is always s l0. Here it follows a part of the
 // base's stretch and a small compression. If the base collapses, it is limited relative to the base's length.
-Lanes target_length(const Settings& settings, const Lanes& s, const Lanes& rest,
+Lanes target_length(const Settings& settings, const Lanes& limit, const Lanes& s, const Lanes& rest,
                     const Lanes& at_attachments) {
     Lanes target = s * rest;
     target += settings.stretch_relief * most(at_attachments - target, Lanes{});
     target -= within(target - at_attachments, Lanes{}, settings.buckling_threshold * target);
-    return least(settings.compression_limit * at_attachments, target);
+    return least(limit * at_attachments, target);
 }
 
-// Unit: thicknesses. If cloth is this far above the surface worn under it, all of its extra width is
-// available for folds.
-constexpr float kRoomToSpare = 3.0f;
-
-// Unit: fine edges. A body is searched within this distance around a vertex.
-constexpr float kBodyReach = 2.0f;
-
-// How far a vertex may move inwards over a body; `unknown` if the body gives no bound. A border of the body
-// must stay below the cloth between its vertices. Within an edge of the border the bound is as over skin;
-// farther away it falls at 45 degrees.
-float gap_above(const BodyContact& body, float thickness, float edge, float unknown) {
-    const float above = body.distance - thickness;
-    if (!body.border) return glm::mix(unknown, above, body.weight);
-    const float cone = std::min(above + std::max(body.beside - edge, 0.0f), unknown);
-    return glm::mix(unknown, cone, smooth_step(-edge, -0.5f * edge, body.distance));
-}
-
-// Least cosine between cloth and body. At a smaller one, a vertex does not move out any farther.
-constexpr float kMostAslant = 0.5f;
-
-// Share of the thickness: how much lower the shown surface may be between vertices and still be off a body.
-constexpr float kMostSunk = 0.5f;
-
-// If vertices are off a convex body, the surface between them may still enter it. On a body of radius R, the
-// middle of the side between two vertices at an angle t is lower by R t^2 / 8, and the smooth surface is
-// lower than its vertices by R t^2 / 6. The part of it above half of the thickness is added to the vertices'
-// distance.
-void lower_gaps_of_surface(const Model& model, float thickness, Pose& pose) {
-    std::vector<float> sunk(pose.attachment.size(), 0.0f);
-    for_each_pair(model.distance, [&](size_t, Index a, Index b) {
-        if (pose.body[a] == kNone || pose.body[b] == kNone) return;
-        const Vec3 side = pose.attachment[b] - pose.attachment[a];
-        const float of_side = glm::dot(side, pose.floor[b] - pose.floor[a]) / 6.0f;
-        for (const Index v : {a, b}) sunk[v] = std::max(sunk[v], of_side);
+// Settings::compression_limit of every vertex; empty if it is the same for all. A fold of the height h and
+// the wavelength L takes up (pi h / 2 L)^2 of the length, so a wide fold needs room. Where cloth touches what
+// is worn under it, it gathers less in wide folds, and narrow ones take up the rest.
+std::vector<float> compression_limits(const Model& model, const Settings& settings, const Pose& pose) {
+    if (settings.contact_gather >= 1.0f || pose.gap.empty()) return {};
+    std::vector<float> limits(pose.gap.size());
+    for_each_index(limits.size(), kLeastSteps, [&](size_t v) {
+        const float room = smooth_step(0.0f, std::max(model.local_edge[v], kShortestEdge), pose.gap[v]);
+        limits[v] =
+            1.0f + (settings.compression_limit - 1.0f) * glm::mix(settings.contact_gather, 1.0f, room);
     });
-    for (size_t v = 0; v < sunk.size(); ++v) pose.gap[v] -= std::max(sunk[v] - kMostSunk * thickness, 0.0f);
-}
-
-// How far every vertex may move inwards. Attachments inside a body are first moved out of it.
-void find_gaps(const Model& model, const Input& input, Pose& pose) {
-    if (input.gap.empty()) return;
-    expect_count("gap", input.gap.size(), model.base.display.vertex_count, "values");
-    if (input.bodies)
-        expect_count("body_hint", input.body_hint.size(), model.base.display.vertex_count, "values");
-    const float off = input.thickness + input.inner;
-    pose.gap.assign(pose.attachment.size(), 0.0f);
-    if (input.bodies) {
-        pose.body.assign(pose.attachment.size(), kNone);
-        pose.floor = pose.normal;
-    }
-    const std::vector<float> gaps = gaps_at(model.base, model.attachments, input.gap);
-    for_each_index(pose.attachment.size(), input.bodies ? kLeastSearches : kLeastSteps, [&](size_t v) {
-        const SurfacePoint& place = model.attachments.places[v];
-        if (place.triangle == kNone) return;
-        float gap = gaps[v];
-        const Index hint = input.bodies ? hint_at(model.base, place.triangle, input.body_hint) : kNone;
-        if (hint != kNone) {
-            const float reach = kBodyReach * model.local_edge[v] + off;
-            const BodyContact body =
-                input.bodies->closest_around(pose.attachment[v], pose.normal[v], reach, hint,
-                                             interpolate(model.base, place, model.base.positions_rest));
-            if (body.triangle != kNone) gap = gap_above(body, off, model.local_edge[v], gap);
-            pose.body[v] = body.triangle;
-            // The normal of the body replaces the cloth's own normal. Otherwise cloth that slides over a heel
-            // would enter it.
-            if (body.triangle != kNone && !body.border)
-                pose.floor[v] = glm::normalize(glm::mix(pose.normal[v], body.normal, body.weight));
-        }
-        pose.gap[v] = gap;
-    });
-    if (input.bodies && input.shown) lower_gaps_of_surface(model, input.thickness, pose);
-    const bool only_look = input.bodies && input.shown && !input.looked_below;
-    for_each_index(pose.attachment.size(), kLeastSteps, [&](size_t v) {
-        const float gap = pose.gap[v];
-        // A gap is measured along the body's normal, but cloth may move out in another direction, and then it
-        // moves farther. This is not needed if the next layer searches again, or if the layer below was
-        // already put out of bodies.
-        const float out = only_look ? std::max(glm::dot(pose.normal[v], pose.floor[v]), kMostAslant) : 1.0f;
-        if (gap < 0.0f) pose.attachment[v] -= gap / out * pose.normal[v];
-        pose.gap[v] = std::max(gap, 0.0f);
-    });
+    return limits;
 }
 
 }  // namespace
-
-std::vector<float> share_to_spare(const Input& input) {
-    if (!input.bodies || input.gap.empty()) return {};
-    const float room = std::max(kRoomToSpare * input.thickness, kShortestEdge);
-    std::vector<float> share(input.gap.size(), 1.0f);
-    for (size_t v = 0; v < share.size(); ++v)
-        if (input.body_hint[v] != kNone) share[v] = smooth_step(0.0f, room, input.gap[v]);
-    return share;
-}
 
 TriangleFrame smooth_frame(const TriangleFrame& triangle, const Vec3& interpolated_normal) {
     const float normal_length = glm::length(interpolated_normal);
@@ -331,6 +253,10 @@ Targets make_targets(const Model& model, const Settings& settings, const Paint& 
         if (settings.prestretch <= 1.0f) return all_lanes(1.0f);
         return both(pose.to_spare, pairs, first, count) * both(paint.worn, pairs, first, count);
     };
+    const std::vector<float> limits = compression_limits(model, settings, pose);
+    const auto limit_at = [&](const Pairs& pairs, size_t first, size_t count) {
+        return limits.empty() ? all_lanes(settings.compression_limit) : both(limits, pairs, first, count);
+    };
     const bool by_tension = settings.taut_range > 0.0f && !pose.unwrinkled.empty();
     const bool straight_only = !pose.spare.empty();
     const std::vector<Row> rows = to_rows(pose.unwrinkled);
@@ -346,7 +272,7 @@ Targets make_targets(const Model& model, const Settings& settings, const Paint& 
                 by_tension || straight_only ? ways_along(pairs, rows, first, count) : Vec3Lanes();
             const Lanes s = by_tension ? pre_stretch(settings, painted_here, way, rest)
                                        : most_pre_stretch(settings, painted_here);
-            Lanes target = target_length(settings, s, rest, length);
+            Lanes target = target_length(settings, limit_at(pairs, first, count), s, rest, length);
             if (straight_only)
                 target = mix(target, least(target, length),
                              share_without_place(pairs, pose.spare, way, first, count));

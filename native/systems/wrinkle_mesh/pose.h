@@ -59,6 +59,9 @@ SolveTeam team_for(const Model& model, int threads);
 // Throws InvalidInput if positions do not match the model or are not finite.
 Pose make_pose(const Model& model, const Input& input);
 
+// How far every vertex may move inwards. Attachments inside a body are first moved out of it.
+void find_gaps(const Model& model, const Input& input, Pose& pose);
+
 // Pose::to_spare at the base's vertices. If cloth lies on a known body, its width is the width of the body,
 // and the extra width hangs where there is room. Empty without bodies.
 std::vector<float> share_to_spare(const Input& input);

@@ -227,6 +227,7 @@ void check(const Settings& settings) {
     expect_within("damping", settings.damping, 0.0, 1.0);
     expect_within("tangential_pull", settings.tangential_pull, 0.0, 1.0);
     expect_within("normal_pull", settings.normal_pull, 0.0, 1.0);
+    expect_within("contact_gather", settings.contact_gather, 0.0, 1.0);
     expect_within("apart", settings.apart, 0.0, 0.5);
     expect_within("slide", settings.slide, 0.0, 0.5);
     expect_within("nudge", settings.nudge, 0.0, 1e3);

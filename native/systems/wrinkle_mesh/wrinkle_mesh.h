@@ -49,7 +49,9 @@ struct Settings {
         0.0f;         // over which, below that, s goes from slack to prestretch, >= 0; 0: nowhere taut
     Vec3 hang{0.0f};  // object space, length 0..1: direction of its own weight, which pulls the cloth taut
     float bend_radius =
-        0.0f;                // object units, >= 0: no folds along lines that bend on less; 0: along any line
+        0.0f;  // object units, >= 0: no folds along lines that bend on less; 0: along any line
+    float contact_gather =
+        1.0f;                // share of compression_limit - 1 where cloth touches what is worn under it, 0..1
     float apart = 0.0f;      // largest movement towards its own cloth / distance to it
     float slide = 0.0f;      // largest movement along the surface / height of its triangles
     float nudge = 0.02f;     // size of the random push on unbuckled vertices, in fine edges, >= 0

@@ -44,6 +44,9 @@ WIDE_PASSES = 3
 # For the same gather, a fold of twice the width is twice as high, so strongly compressed cloth would bulge. This is for
 # cotton: the excess over 1 goes with the square of the bending length, because stiff cloth has no narrow folds.
 WIDE_GATHER = 1.15
+# Share of this excess where cloth touches what is worn under it: a wide fold has no room there, and narrow ones take up
+# the length. By simulations of trousers, whose hips have more narrow folds than their legs.
+CONTACT_GATHER = 1.0 / 3.0
 LOOSER = 2.0  # slack of the layers / slack of the base cloth, where it is not taut
 FINEST_HEM = 2  # rings over which the finest layer fades at open borders: a hem is double, so narrow folds end there
 TAUT_RANGE = 0.03  # range of strain over which a slack base becomes taut: along the pull no length is left for folds
@@ -62,12 +65,17 @@ def wide_gather(bending_length: float) -> float:
     return 1.0 + (WIDE_GATHER - 1.0) * length_over_cotton(bending_length) ** 2
 
 
-def gather_limit(most: float, wide: float, prestretch: float, above: int, finest: float) -> float:
+def gather_limit(most: float, wide: float, prestretch: float, share: float) -> float:
     """The most length that a layer gathers, relative to the compressed mesh. most: the limit in the settings. wide:
-    wide_gather() of the cloth. prestretch: of the layer. above: how many layers lie on this one, 0 for the finest,
-    negative for layers that exist only where folds are painted narrower. finest: strength of the finest layer, 0 to 1.
-    While it is 0, the layer below counts as the finest."""
-    return float(np.interp(above - 1.0 + finest, (0.0, 1.0), (most, min(max(wide, prestretch), most))))
+    wide_gather() of the cloth. prestretch: of the layer. share: wide_share() of the layer."""
+    return float(np.interp(share, (0.0, 1.0), (most, min(max(wide, prestretch), most))))
+
+
+def wide_share(above: int, finest: float) -> float:
+    """1 for a wide layer, 0 for the finest one. above: how many layers lie on this one, 0 for the finest, negative for
+    layers that exist only where folds are painted narrower. finest: strength of the finest layer, 0 to 1. While it is
+    0, the layer below counts as the finest."""
+    return float(np.clip(above - 1.0 + finest, 0.0, 1.0))
 
 
 def layer_settings(settings: MeshSettings, count: int, finest: float = 1.0,
@@ -95,8 +103,10 @@ def layer_settings(settings: MeshSettings, count: int, finest: float = 1.0,
                 options.hem_rings = max(options.hem_rings, FINEST_HEM)
             excess = share * slack_factor(settings, number) * (settings.slack - 1.0)
             options.prestretch = settings.prestretch * (1.0 + excess)
+            wide = wide_share(above, finest)
             options.compression_limit = gather_limit(settings.compression_limit, wide_gather(settings.bending_length),
-                                                     options.prestretch, above, finest)
+                                                     options.prestretch, wide)
+            options.contact_gather = 1.0 + wide * (CONTACT_GATHER - 1.0)
             options.slack, options.taut_range = settings.slack, TAUT_RANGE
             options.hang, options.bend_radius = hang, bend
         out.append(options)

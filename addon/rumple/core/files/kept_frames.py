@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from ..frame.engine import Wrinkles
 
 SUFFIX = ".frame"
-FORMAT = 14  # raise it when frames get other bits. In format 7, for example, sweeps had another order
+FORMAT = 15  # raise it when frames get other bits. In format 7, for example, sweeps had another order
 _HEAD = b"rumple frame\n"
 _DIGEST = 16  # bytes
 _MOST_REFUSED = 5  # failed renames in a row: a virus scanner keeps a new file open for a moment

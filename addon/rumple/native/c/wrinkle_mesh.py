@@ -75,6 +75,9 @@ class WrinkleMeshSettings(Struct):
     # layers only, read from the first one: object units, >= 0: lines with a smaller radius of curvature get no folds;
     # 0: all lines may
     bend_radius: float
+    # layers only: share of compression_limit - 1 where cloth touches what is worn under it, 0..1; with room for an
+    # edge of the layer it is all of it
+    contact_gather: float
     apart: float  # layers only: share of the distance to other cloth that a vertex may move, 0..0.5
     slide: float  # layers only: share of its triangles' heights that it may move along them, 0..0.5
     nudge: float  # size of the random push of unbuckled vertices, in fine edges, >= 0
@@ -86,8 +89,8 @@ class WrinkleMeshSettings(Struct):
         ("compression_limit", c_float), ("hem_rings", c_int32), ("iterations", c_int32),
         ("start_iterations", c_int32), ("damping", c_float), ("offset_space", c_int32), ("tangential_pull", c_float),
         ("normal_pull", c_float), ("slack", c_float), ("taut_range", c_float), ("hang", c_float * 3),
-        ("bend_radius", c_float), ("apart", c_float), ("slide", c_float), ("nudge", c_float), ("seed", c_uint32),
-        ("threads", c_int32), ("rest", ReferenceSettings),)
+        ("bend_radius", c_float), ("contact_gather", c_float), ("apart", c_float), ("slide", c_float),
+        ("nudge", c_float), ("seed", c_uint32), ("threads", c_int32), ("rest", ReferenceSettings),)
 
 
 class WrinkleMeshPainted(Struct):
