@@ -22,12 +22,12 @@ from demo_rig import Pose
 
 BODY_SPACING = 0.012  # metres: files stay small
 SEAT_HALF, SEAT_EDGE = (0.21, 0.19), 0.03  # metres: half width and depth, the radius of its edges
-SEAT_GAP = 0.004  # metres under the trousers
+SEAT_SINK = 0.015  # metres that the seat gives way under the trousers
 # Of the cape, from the neck to the hem: height, half width, half depth, degrees to each side of the spine.
 CAPE = np.array([[1.503, 0.085, 0.076, 130.0], [1.475, 0.150, 0.104, 120.0], [1.430, 0.220, 0.125, 106.0],
                  [1.360, 0.262, 0.150, 90.0], [1.200, 0.310, 0.200, 86.0], [0.480, 0.540, 0.420, 80.0]])
 CAPE_ACROSS, CAPE_ALONG, CAPE_ROOM = 40, 36, (0.008, 0.010, 0.012)  # vertices, vertices; metres off the shirt, by row
-WIND_SPEED, WIND_TURNS = 6.5, (0.5, 0.35)  # metres a second; radians, up and down and to the sides
+WIND_SPEED, WIND_TURNS = 5.0, (0.2, 0.25)  # metres a second; radians, up and down and to the sides
 CAPE_PINNED = (1.0, 1.0, 0.6, 0.2)  # of its highest rows
 CAPE_SMOOTH = (1.0, 0.9, 0.5, 0.2)  # of them as well
 CAPE_AS_SHIRT = (1.0, 0.8, 0.5, 0.25, 0.1)  # how far they follow the shirt's collar, not the chest alone
@@ -76,10 +76,8 @@ def add_seat() -> None:
     scene.frame_set(round(0.5 * sum(scene_motions.SIT_HELD)))
     worn = trousers.evaluated_get(bpy.context.evaluated_depsgraph_get())
     points = np.array([worn.matrix_world @ vertex.co for vertex in worn.data.vertices])
-    around = points[points[:, 2] > 0.40]
-    thighs = around[around[:, 2] < around[:, 2].min() + 0.02]
-    middle = np.array([0.0, around[:, 1].max() - SEAT_HALF[1] - 0.01])
-    top = float(thighs[:, 2].min()) - SEAT_GAP
+    middle = np.array([0.0, points[:, 1].max() - SEAT_HALF[1] - 0.01])
+    top = float(points[points[:, 1] > middle[1], 2].min()) + SEAT_SINK
     points, quads = rounded_block((2 * SEAT_HALF[0], 2 * SEAT_HALF[1], top), SEAT_EDGE)
     seat = demo_scene.mesh_object("Seat", points + (*middle, 0.5 * top), quads, ("Shirt trim",))
     seat.data.materials[0].name = "Seat"
@@ -210,7 +208,7 @@ def build_cape() -> bpy.types.Object:
     settings = cape.rumple.mesh
     settings.base_cloth, settings.layers, settings.wavelength, settings.hem_rings = "SWING", "CLOTH", 0.1, 0
     settings.room, settings.locomotion, settings.swing_damping, settings.drag = 1.5, 1.0, 1.0, 1.0
-    settings.slack, settings.thickness, settings.mass = 1.05, 0.006, 0.15
+    settings.slack, settings.thickness, settings.mass = 1.05, 0.006, 0.3
     return ready("Cape")
 
 
@@ -275,8 +273,8 @@ def add_head_wind() -> None:
     wind = bpy.context.object
     wind.field.strength, wind.parent = WIND_SPEED, vane
     for frame in range(scene_motions.RUN_FRAMES[0], scene_motions.RUN_FRAMES[1] + 1, 2):
-        vane.rotation_euler = (-0.5 * math.pi + WIND_TURNS[0] * math.sin(0.55 * frame), 0.0,
-                               WIND_TURNS[1] * math.sin(0.31 * frame))
+        vane.rotation_euler = (-0.5 * math.pi + WIND_TURNS[0] * math.sin(0.2 * frame), 0.0,
+                               WIND_TURNS[1] * math.sin(0.13 * frame))
         vane.keyframe_insert("rotation_euler", frame=frame)
 
 
