@@ -136,28 +136,6 @@ Paint paint_in(const rumple_wrinkle_mesh* model, const rumple_wrinkle_mesh_paint
     return of ? of->paint : Paint{};
 }
 
-// solve: solve() or solve_in_order().
-template <typename Solve>
-rumple_status solved(const Solve& solve, const rumple_wrinkle_mesh* model,
-                     const rumple_wrinkle_mesh_settings* settings, const rumple_wrinkle_mesh_paint* paint,
-                     const rumple_wrinkle_mesh_pose* pose, const rumple_wrinkle_mesh_state* before,
-                     rumple_wrinkle_mesh_report* report, rumple_wrinkle_mesh_state** state) {
-    return made(state, "state", [&] {
-        const rumple_wrinkle_mesh& m = given(model, "model");
-        const auto* from = of_model(before, m, "state");
-        const auto* touched = of_model(paint, m, "paint");
-        const auto& at = given_of_model(pose, m, "pose");
-        static const Paint nothing;
-        Report how;
-        State solved = sound_from(from ? &from->state : nullptr, [&](const State* last) {
-            return solve(*m.model, mesh_settings(settings), touched ? touched->paint : nothing,
-                         input_of(at.arrays), at.pose, last, how);
-        });
-        if (report) *report = report_of(how);
-        return new rumple_wrinkle_mesh_state{m.model, std::move(solved)};
-    });
-}
-
 }  // namespace
 
 rumple_wrinkle_mesh_plan rumple_wrinkle_mesh_plan_default(void) {
@@ -261,17 +239,20 @@ rumple_status rumple_wrinkle_mesh_solve(const rumple_wrinkle_mesh* model,
                                         const rumple_wrinkle_mesh_state* before,
                                         rumple_wrinkle_mesh_report* report,
                                         rumple_wrinkle_mesh_state** state) {
-    return solved(solve_pose, model, settings, paint, pose, before, report, state);
-}
-
-rumple_status rumple_wrinkle_mesh_solve_in_order(const rumple_wrinkle_mesh* model,
-                                                 const rumple_wrinkle_mesh_settings* settings,
-                                                 const rumple_wrinkle_mesh_paint* paint,
-                                                 const rumple_wrinkle_mesh_pose* pose,
-                                                 const rumple_wrinkle_mesh_state* before,
-                                                 rumple_wrinkle_mesh_report* report,
-                                                 rumple_wrinkle_mesh_state** state) {
-    return solved(solve_pose_in_order, model, settings, paint, pose, before, report, state);
+    return made(state, "state", [&] {
+        const rumple_wrinkle_mesh& m = given(model, "model");
+        const auto* from = of_model(before, m, "state");
+        const auto* touched = of_model(paint, m, "paint");
+        const auto& at = given_of_model(pose, m, "pose");
+        static const Paint nothing;
+        Report how;
+        State solved = sound_from(from ? &from->state : nullptr, [&](const State* last) {
+            return solve_pose(*m.model, mesh_settings(settings), touched ? touched->paint : nothing,
+                              input_of(at.arrays), at.pose, last, how);
+        });
+        if (report) *report = report_of(how);
+        return new rumple_wrinkle_mesh_state{m.model, std::move(solved)};
+    });
 }
 
 rumple_status rumple_wrinkle_mesh_show(const rumple_wrinkle_mesh* model,

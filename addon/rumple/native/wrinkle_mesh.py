@@ -160,21 +160,19 @@ class WrinkleMeshMeasures(c.WrinkleMeshMeasures):
 
 def solve_wrinkle_mesh(model: WrinkleMeshModel, settings: WrinkleMeshSettings, paint: WrinkleMeshPaint | None,
                        positions: np.ndarray | WrinkleMeshPose, state: WrinkleMeshState | None = None,
-                       world_from_object: np.ndarray | None = None, in_order: bool = False, time: float = 0.0,
-                       labels: np.ndarray | None = None, next_positions: np.ndarray | None = None,
+                       world_from_object: np.ndarray | None = None, time: float = 0.0, labels: np.ndarray | None = None,
+                       next_positions: np.ndarray | None = None,
                        next_time: float = 0.0) -> tuple[WrinkleMeshState, WrinkleMeshReport]:
     """Solve one frame; returns (state, report). positions: (n, 3) float32, deformed base, object space; or a pose,
     which then replaces the arguments about the frame.
 
     state: of the frame before, or None for the canonical start. world_from_object: (3, 3) float32, used if offsets are
-    kept in world space. in_order: for tests: constraints one after the other, as in the paper. The other arguments are
-    for adaptive rest shapes. time: seconds. labels: (t,) uint8 from label_clip. next_positions, next_time: the next
-    frame, which labelling looks ahead to. Raises ValueError. Section 4.
+    kept in world space. The other arguments are for adaptive rest shapes. time: seconds. labels: (t,) uint8 from
+    label_clip. next_positions, next_time: the next frame, which labelling looks ahead to. Raises ValueError. Section 4.
     """
     report = WrinkleMeshReport()
-    solve = lib.rumple_wrinkle_mesh_solve_in_order if in_order else lib.rumple_wrinkle_mesh_solve
     return WrinkleMeshState.made(
-        solve, model, settings, paint, WrinkleMeshPose.of(
+        lib.rumple_wrinkle_mesh_solve, model, settings, paint, WrinkleMeshPose.of(
             model, positions, time, labels, next_positions, next_time, world_from_object), state, report), report
 
 

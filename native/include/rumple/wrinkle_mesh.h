@@ -167,14 +167,6 @@ RUMPLE_API rumple_status rumple_wrinkle_mesh_solve(const rumple_wrinkle_mesh* mo
                                                    const rumple_wrinkle_mesh_state* before,
                                                    rumple_wrinkle_mesh_report* report,
                                                    rumple_wrinkle_mesh_state** state);
-// The same, but constraints are solved one after the other, as in the paper. For tests.
-RUMPLE_API rumple_status rumple_wrinkle_mesh_solve_in_order(const rumple_wrinkle_mesh* model,
-                                                            const rumple_wrinkle_mesh_settings* settings,
-                                                            const rumple_wrinkle_mesh_paint* paint,
-                                                            const rumple_wrinkle_mesh_pose* pose,
-                                                            const rumple_wrinkle_mesh_state* before,
-                                                            rumple_wrinkle_mesh_report* report,
-                                                            rumple_wrinkle_mesh_state** state);
 
 // The shown mesh of a solved frame. in_viewport: see rumple_wrinkle_mesh_shown().
 RUMPLE_API rumple_status rumple_wrinkle_mesh_show(const rumple_wrinkle_mesh* model,

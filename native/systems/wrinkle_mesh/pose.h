@@ -72,8 +72,6 @@ std::optional<Pose> guided_pose(const Model& model, const Paint& paint, const Po
 // Solves a frame with its pose, which make_pose() made from `input`.
 State solve_pose(const Model& model, const Settings& settings, const Paint& paint, const Input& input,
                  const Pose& pose, const State* state, Report& report);
-State solve_pose_in_order(const Model& model, const Settings& settings, const Paint& paint,
-                          const Input& input, const Pose& pose, const State* state, Report& report);
 void show_pose(const Model& model, const Settings& settings, const Input& input, const Pose& pose,
                const State& state, Picture& picture, bool in_viewport = false);
 Measures measure_pose(const Model& model, const Settings& settings, const Paint& paint, const Input& input,

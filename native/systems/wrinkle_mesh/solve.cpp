@@ -254,12 +254,7 @@ State solve_pose(const Model& model, const Settings& settings, const Paint& pain
 
 State solve_in_order(const Model& model, const Settings& settings, const Paint& paint, const Input& input,
                      const State* state, Report& report) {
-    return solve_pose_in_order(model, settings, paint, input, make_pose(model, input), state, report);
-}
-
-State solve_pose_in_order(const Model& model, const Settings& settings, const Paint& paint,
-                          const Input& input, const Pose& pose, const State* state, Report& report) {
-    return solve_with(relax_in_order, model, settings, paint, input, pose, state, report);
+    return solve_with(relax_in_order, model, settings, paint, input, make_pose(model, input), state, report);
 }
 
 }  // namespace rumple::wrinkle_mesh
