@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What an artist does first, by mouse and keys in Blender's window.
 
-A trial of this kind once found fifteen things wrong: docs/habits.md says where each is tested.
+A trial of this kind once found fifteen things wrong: CONTRIBUTING.md says where each is tested.
 """
 from __future__ import annotations
 

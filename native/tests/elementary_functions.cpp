@@ -77,7 +77,6 @@ TEST(Elementary, AtTheirEdges) {
     }
 }
 
-// What is written here is what every compiler on every system must get.
 TEST(Elementary, FloorIsThatOfTheSystem) {
     Numbers numbers;
     for (int i = 0; i < 100000; ++i) {
@@ -93,6 +92,7 @@ TEST(Elementary, FloorIsThatOfTheSystem) {
     EXPECT_TRUE(std::isnan(elementary::floor(std::numeric_limits<float>::quiet_NaN())));
 }
 
+// What is written here is what every compiler on every system must get.
 TEST(Elementary, HaveTheSameBitsOnEverySystem) {
     Numbers numbers;
     std::uint64_t hash = 14695981039346656037u;

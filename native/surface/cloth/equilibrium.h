@@ -31,7 +31,7 @@ struct Cloth {
 // its Hessian. Returns the largest movement of a vertex in the full step.
 float newton_step(const Cloth& cloth, std::span<Vec3> x, Report& report);
 
-// The system of a frame of this model.
+// The team for a frame of this model.
 SolveTeam team_for(const Model& model);
 
 // solve() for an existing pose (base_cloth.cpp). body_hint: from make_pose(). before: of this model, or none.

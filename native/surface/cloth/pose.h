@@ -70,7 +70,7 @@ bool same_pose(const Model& model, const Pose& pose, const State& state, float s
 // values are kept; or none.
 void keep_pose(const Pose& pose, const State* held, State& state);
 
-// Lengths of the springs at rest, object units.
+// Mean length of the springs at rest, object units.
 double mean_length(const Model& model);
 
 // body_hint: as of clearance(). Throws InvalidInput.
