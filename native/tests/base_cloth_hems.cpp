@@ -15,7 +15,7 @@ constexpr float kInfinity = std::numeric_limits<float>::infinity(), kUnheld = 0.
 
 std::vector<float> room_of_pose(const Surface& surface, const Points& pose) {
     const Hems hems = find_hems(surface);
-    return room_over_parts(surface, hems, find_covers(surface, hems, find_overlaps(surface)), pose,
+    return room_over_parts(surface, hems, find_hem_overlaps(surface, hems, find_overlaps(surface)), pose,
                            vertex_normals(surface, pose));
 }
 std::vector<float> room_at_rest(const Surface& surface) {

@@ -105,8 +105,8 @@ struct Model {
     std::vector<Overlap> overlaps;
     Hems hems;
     std::vector<NearHem> near_hems;  // per vertex
-    std::vector<Cover> covers;
-    std::vector<float> cover_room;  // room_over_parts() at rest
+    std::vector<HemOverlap> hem_overlaps;
+    std::vector<float> hem_room;  // room_over_parts() at rest
 };
 std::shared_ptr<const Model> build(Surface surface);
 

@@ -204,10 +204,10 @@ std::shared_ptr<const Model> build(Surface surface) {
     model->overlaps = find_overlaps(model->surface);
     model->hems = find_hems(model->surface);
     model->near_hems = find_near_hems(model->surface, model->hems);
-    model->covers = find_covers(model->surface, model->hems, model->overlaps);
+    model->hem_overlaps = find_hem_overlaps(model->surface, model->hems, model->overlaps);
     const std::vector<Vec3>& rest = model->surface.positions_rest;
-    model->cover_room = room_over_parts(model->surface, model->hems, model->covers, rest,
-                                        vertex_normals(model->surface, rest));
+    model->hem_room = room_over_parts(model->surface, model->hems, model->hem_overlaps, rest,
+                                      vertex_normals(model->surface, rest));
     return model;
 }
 

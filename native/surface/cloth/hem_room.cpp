@@ -157,46 +157,47 @@ Hems find_hems(const Surface& surface) {
     return hems;
 }
 
-std::vector<Cover> find_covers(const Surface& surface, const Hems& hems, std::span<const Overlap> overlaps) {
+std::vector<HemOverlap> find_hem_overlaps(const Surface& surface, const Hems& hems,
+                                          std::span<const Overlap> overlaps) {
     const std::vector<Vec3>& rest = surface.positions_rest;
     const std::vector<Index> border_of = hems_of_vertices(hems);
     const std::vector<bool> is_lining = linings(hems, overlaps);
-    std::map<std::pair<Index, Index>, Cover> covers;  // of the hem above and the border below
+    std::map<std::pair<Index, Index>, HemOverlap> found;  // of the hem above and the border below
     for (const auto& [v, place, outer] : overlaps) {
         if (outer || border_of[v] == kNone || is_lining[hems.part[v]]) continue;
         const Index covering = hems.part[welded_vertices(surface, place.triangle)[0]];
         const Hems::Hem* hem = hem_over(hems, covering, interpolate(surface, place, rest), rest);
         if (!hem) continue;
         const auto above = static_cast<Index>(hem - hems.all.data());
-        covers.try_emplace({above, border_of[v]}, Cover{above}).first->second.border.push_back(v);
+        found.try_emplace({above, border_of[v]}, HemOverlap{above}).first->second.border.push_back(v);
     }
-    std::vector<Cover> out;
-    for (auto& [pair, found] : covers) {
-        Cover& cover = found;
-        const auto covered = [&](Index v) { return std::ranges::binary_search(cover.border, v); };
+    std::vector<HemOverlap> out;
+    for (auto& [pair, of_pair] : found) {
+        HemOverlap& overlap = of_pair;
+        const auto covered = [&](Index v) { return std::ranges::binary_search(overlap.border, v); };
         for (const Hems::Side& side : hems.all[pair.second].sides)
-            if (covered(side[0]) && covered(side[1])) cover.sides.push_back(side);
-        out.push_back(std::move(cover));
+            if (covered(side[0]) && covered(side[1])) overlap.sides.push_back(side);
+        out.push_back(std::move(overlap));
     }
     return out;
 }
 
-std::vector<float> room_over_parts(const Surface& surface, const Hems& hems, std::span<const Cover> covers,
-                                   std::span<const Vec3> positions, std::span<const Vec3> normals,
-                                   float most) {
+std::vector<float> room_over_parts(const Surface& surface, const Hems& hems,
+                                   std::span<const HemOverlap> overlaps, std::span<const Vec3> positions,
+                                   std::span<const Vec3> normals, float most) {
     std::vector<float> of_hem(surface.positions_rest.size(), kFar);
     const auto hold = [&](Index v, float room) { of_hem[v] = std::min(of_hem[v], room); };
     const float apart = kApart * hems.together;
-    for (const Cover& cover : covers) {
-        const Hems::Hem& hem = hems.all[cover.hem];
-        for (const Index v : cover.border) {
+    for (const HemOverlap& overlap : overlaps) {
+        const Hems::Hem& hem = hems.all[overlap.hem];
+        for (const Index v : overlap.border) {
             const Behind hem_beyond = behind(hem.sides, positions[v], positions, normals, apart);
             hold(v, (1.0f - kOfOverlap) * hem_beyond.distance);
             for (const Index h : hem_beyond.side) hold(h, kOfOverlap * hem_beyond.distance);
         }
-        if (cover.sides.empty()) continue;
+        if (overlap.sides.empty()) continue;
         for (const Index h : hem.vertices) {
-            const Behind end = behind(cover.sides, positions[h], positions, normals, apart);
+            const Behind end = behind(overlap.sides, positions[h], positions, normals, apart);
             hold(h, kOfOverlap * end.distance);
             for (const Index v : end.side) hold(v, (1.0f - kOfOverlap) * end.distance);
         }

@@ -30,22 +30,24 @@ struct Hems {
 };
 Hems find_hems(const Surface& surface);
 
-// What one hem covers at rest of the border of another part.
-struct Cover {
+// One hem over the border of another part at rest.
+struct HemOverlap {
     Index hem;                        // of Hems::all
     std::vector<Index> border{};      // welded vertices
     std::vector<Hems::Side> sides{};  // those with both ends among them
 };
 // overlaps: from find_overlaps().
-std::vector<Cover> find_covers(const Surface& surface, const Hems& hems, std::span<const Overlap> overlaps);
+std::vector<HemOverlap> find_hem_overlaps(const Surface& surface, const Hems& hems,
+                                          std::span<const Overlap> overlaps);
 
 // How far every welded vertex may move from its animated place, object units, so that a hem does not uncover
 // the border of a part that it covers in this pose, and so that this border does not come out. Infinity
 // without such a border.
 //   positions, normals: welded, normals unit. most: rooms of this and more hold nothing.
 // Cost: for each part that covers one O(vertices of borders x vertices).
-std::vector<float> room_over_parts(const Surface& surface, const Hems& hems, std::span<const Cover> covers,
-                                   std::span<const Vec3> positions, std::span<const Vec3> normals,
+std::vector<float> room_over_parts(const Surface& surface, const Hems& hems,
+                                   std::span<const HemOverlap> overlaps, std::span<const Vec3> positions,
+                                   std::span<const Vec3> normals,
                                    float most = std::numeric_limits<float>::infinity());
 
 // The same for the borders of bodies in one frame: other garments, holes of a body. If there is skin inside a

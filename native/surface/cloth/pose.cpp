@@ -102,23 +102,23 @@ std::vector<float> find_free_depth(const Model& model, const Settings& settings,
 // How far vertices may leave their animated places: what is set and painted, and what hems cover.
 void place_room(const Model& model, const Settings& settings, const Paint& paint, const PosedCollider* bodies,
                 std::span<const BodyContact> under, std::span<const Vec3> smooth, Pose& pose) {
-    std::vector<float> covering = model.cover_room;
-    const auto keep_covered = [&](const std::vector<float>& over) {
-        for (size_t v = 0; v < covering.size(); ++v) covering[v] = std::min(covering[v], over[v]);
+    std::vector<float> hem_room = model.hem_room;
+    const auto limit_to = [&](const std::vector<float>& over) {
+        for (size_t v = 0; v < hem_room.size(); ++v) hem_room[v] = std::min(hem_room[v], over[v]);
     };
     const float most = std::ranges::max(paint.room.empty() ? std::vector{1.0f} : paint.room),
                 unheld = std::max(settings.room * std::max(most, 1.0f), settings.slide_room);
     // If skinning moves the parts against one another, a hem covers less than at rest.
-    if (!model.covers.empty())
-        keep_covered(
-            room_over_parts(model.surface, model.hems, model.covers, pose.animated, pose.normal, unheld));
+    if (!model.hem_overlaps.empty())
+        limit_to(room_over_parts(model.surface, model.hems, model.hem_overlaps, pose.animated, pose.normal,
+                                 unheld));
     if (bodies)
-        keep_covered(room_over_bodies(model.surface, model.hems, *bodies, under, smooth, pose.normal,
-                                      settings.clearance.reach, unheld));
-    for (size_t v = 0; v < covering.size(); ++v) {
+        limit_to(room_over_bodies(model.surface, model.hems, *bodies, under, smooth, pose.normal,
+                                  settings.clearance.reach, unheld));
+    for (size_t v = 0; v < hem_room.size(); ++v) {
         const float factor = painted(paint.room, model.surface.representative[v], 1.0f);
-        const float room = std::min(settings.room * factor, covering[v]),
-                    slide = std::min(settings.slide_room * std::min(factor, 1.0f), covering[v]);
+        const float room = std::min(settings.room * factor, hem_room[v]),
+                    slide = std::min(settings.slide_room * std::min(factor, 1.0f), hem_room[v]);
         pose.room.push_back(room);
         // A loose vertex has no surface to slide along; what has no room at all stays.
         const bool slides = room > 0.0f && slide > room && pose.normal[v] != Vec3(0.0f);

@@ -11,21 +11,21 @@
 
 namespace rumple::wrinkle_mesh {
 
-CoveringHems find_covering_hems(const Surface& base) {
+OverlappingHems find_overlapping_hems(const Surface& base) {
     const std::vector<base_cloth::Overlap> overlaps = base_cloth::find_overlaps(base);
     if (overlaps.empty()) return {};
-    CoveringHems out{base_cloth::find_hems(base), {}};
-    out.covers = base_cloth::find_covers(base, out.hems, overlaps);
+    OverlappingHems out{base_cloth::find_hems(base), {}};
+    out.overlaps = base_cloth::find_hem_overlaps(base, out.hems, overlaps);
     return out;
 }
 
-PaintOfHems::PaintOfHems(const Surface& base, const CoveringHems& covering, std::span<const Vec3> positions,
+PaintOfHems::PaintOfHems(const Surface& base, const OverlappingHems& hems, std::span<const Vec3> positions,
                          size_t layers)
     : layers_(layers) {
-    if (covering.covers.empty()) return;
+    if (hems.overlaps.empty()) return;
     const std::vector<Vec3> welded = weld_positions(base, positions);
     const float most = static_cast<float>(bounding_diagonal(base.positions_rest));
-    const std::vector<float> room = base_cloth::room_over_parts(base, covering.hems, covering.covers, welded,
+    const std::vector<float> room = base_cloth::room_over_parts(base, hems.hems, hems.overlaps, welded,
                                                                 vertex_normals(base, welded), most);
     for (const Index w : base.welded_of) room_.push_back(std::min(room[w], most));
 }

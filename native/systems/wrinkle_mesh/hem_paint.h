@@ -9,18 +9,18 @@
 
 namespace rumple::wrinkle_mesh {
 
-// What the hems of a base cover of its own parts. Built once at rest.
-struct CoveringHems {
+// The hems of a base that lie over borders of its other parts. Built once at rest.
+struct OverlappingHems {
     base_cloth::Hems hems;
-    std::vector<base_cloth::Cover> covers;  // empty: nothing
+    std::vector<base_cloth::HemOverlap> overlaps;  // empty: nothing
 };
-CoveringHems find_covering_hems(const Surface& base);
+OverlappingHems find_overlapping_hems(const Surface& base);
 
 // The paint of each layer, with a radius such that all layers together do not move farther than hems may.
 class PaintOfHems {
   public:
     // positions: of the base's display vertices, where the layers begin, object space.
-    PaintOfHems(const Surface& base, const CoveringHems& covering, std::span<const Vec3> positions,
+    PaintOfHems(const Surface& base, const OverlappingHems& hems, std::span<const Vec3> positions,
                 size_t layers);
 
     // The paint of the next layer. Called once for every layer, coarse first. Each has an equal share of the

@@ -287,7 +287,7 @@ std::shared_ptr<const Layers> build_layers(Surface base, Index levels, Index dis
         }
         out->stretch = build_stretch(out->base);
         out->bent_lines = build_bent_lines(out->base);
-        out->covering = find_covering_hems(out->base);
+        out->hems = find_overlapping_hems(out->base);
         out->shown_in_viewport = show_in_viewport(out->base, out->base, fine, display_steps, viewport_steps,
                                                   out->layers.back()->positions_rest);
     };
@@ -338,7 +338,7 @@ LayersState solve(const Layers& layers, std::span<const Settings> settings, std:
     std::optional<BaseStrain> strain;
     std::vector<Vec3> unwrinkled(input.positions.begin(), input.positions.end());
     std::vector<float> to_spare = share_to_spare(input);
-    PaintOfHems of_hems(layers.base, layers.covering, input.positions, layers.layers.size());
+    PaintOfHems of_hems(layers.base, layers.hems, input.positions, layers.layers.size());
     for (size_t k = 0; k < layers.layers.size(); ++k) {
         const Model& layer = *layers.layers[k];
         check(layer, paint[k]);

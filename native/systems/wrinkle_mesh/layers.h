@@ -25,7 +25,7 @@ struct Layers {
     std::optional<ShownMesh> shown_in_viewport;        // if viewports use fewer subdivisions
     StretchModel stretch;
     BentLinesModel bent_lines;
-    CoveringHems covering;
+    OverlappingHems hems;
 };
 
 // levels: solved subdivisions of the base, 0..kMostLevels; there are levels + 1 layers. display_steps,
