@@ -10,11 +10,8 @@ namespace rumple::tests {
 namespace {
 
 Vec3 position_of(const Surface& surface, const SurfacePoint& place) {
-    const auto x = [&](int k) {
-        return surface
-            .positions_rest[surface.welded.corner_vertex[surface.triangles[place.triangle].corner[k]]];
-    };
-    return (1.0f - place.b0 - place.b1) * x(0) + place.b0 * x(1) + place.b1 * x(2);
+    const std::array<Index, 3> corners = welded_vertices(surface, place.triangle);
+    return place.interpolate([&](int k) { return surface.positions_rest[corners[k]]; });
 }
 
 void expect_inside(const SurfacePoint& place) {

@@ -113,8 +113,7 @@ TEST(PathPreview, OnTheLimitSurfaceIsNearTheFineMesh) {
         float sum = 0.0f;
         for (size_t v = 0; v < places.size(); ++v) {
             const float off = glm::distance(sleeve.at(places[v]).position, picture.positions[v]);
-            const bool corner =
-                std::max({places[v].b0, places[v].b1, 1.0f - places[v].b0 - places[v].b1}) == 1.0f;
+            const bool corner = std::ranges::max(places[v].weights()) == 1.0f;
             if (corner) {  // the limit of a coarse vertex is exact
                 EXPECT_LT(off, 1e-6f) << v;
             }

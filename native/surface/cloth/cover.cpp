@@ -70,7 +70,7 @@ std::vector<Vec3> lifts_over(const Surface& surface, const CoverModel& model, co
             if (lift[s] == 0.0f) continue;
             const SurfacePoint& place = model.samples.places[s];
             const std::array<Index, 3> corners = welded_vertices(surface, place.triangle);
-            const float weights[3] = {1.0f - place.b0 - place.b1, place.b0, place.b1};
+            const std::array<float, 3> weights = place.weights();
             for (int k = 0; k < 3; ++k)
                 if (weights[k] > kLeastWeight) more[corners[k]] = std::max(more[corners[k]], lift[s]);
         }

@@ -49,8 +49,8 @@ std::vector<float> gaps_at(const Surface& surface, const Attachments& attachment
     for (size_t v = 0; v < out.size(); ++v) {
         const SurfacePoint& place = attachments.places[v];
         if (place.triangle == kNone) continue;
-        const auto [a, b, c] = display_vertices(surface, place.triangle);
-        out[v] = (1.0f - place.b0 - place.b1) * gap[a] + place.b0 * gap[b] + place.b1 * gap[c];
+        const std::array<Index, 3> corners = display_vertices(surface, place.triangle);
+        out[v] = place.interpolate([&](int k) { return gap[corners[k]]; });
     }
     return out;
 }

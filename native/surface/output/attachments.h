@@ -28,10 +28,10 @@ Vec3 pn_triangle(const Vec3 corner[3], const Vec3 normal[3], float b0, float b1)
 void attach(const Surface& surface, const Attachments& attachments, std::span<const Vec3> positions,
             std::span<const Vec3> normals, std::span<Vec3> out);
 
-// Linear interpolation of vertex values at a place: equation (1).
+// Linear interpolation of the values of welded vertices at a place.
 inline Vec3 interpolate(const Surface& surface, const SurfacePoint& place, std::span<const Vec3> values) {
-    const auto [a, b, c] = welded_vertices(surface, place.triangle);
-    return (1.0f - place.b0 - place.b1) * values[a] + place.b0 * values[b] + place.b1 * values[c];
+    const std::array<Index, 3> corners = welded_vertices(surface, place.triangle);
+    return place.interpolate([&](int k) { return values[corners[k]]; });
 }
 
 // How far attached vertices may move inwards, from how far the vertices of the base may: object units, per

@@ -2,6 +2,7 @@
 // Fine meshes over a base surface (Mueller and Chentanez 2010, section 3).
 #pragma once
 
+#include <array>
 #include <vector>
 
 #include "surface/mesh/topology.h"
@@ -59,6 +60,16 @@ struct SurfacePoint {
     Index triangle = kNone;
     float b0 = 0.0f;  // weight of corner 1
     float b1 = 0.0f;  // weight of corner 2
+
+    // Of the three corners.
+    std::array<float, 3> weights() const { return {1.0f - b0 - b1, b0, b1}; }
+
+    // Linear interpolation: equation (1). at_corner(k): the value at corner k.
+    template <typename AtCorner>
+    auto interpolate(const AtCorner& at_corner) const {
+        const auto [a, b, c] = weights();
+        return a * at_corner(0) + b * at_corner(1) + c * at_corner(2);
+    }
 };
 
 // Where each fine vertex sits: the closest point, within the triangles of one

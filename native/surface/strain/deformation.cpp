@@ -150,7 +150,7 @@ void measure_stretch(const Surface& surface, const StretchModel& model, std::spa
             out.direction[i] = Vec3(0.0f);
             return;
         }
-        const float weights[3] = {1.0f - place.b0 - place.b1, place.b0, place.b1};
+        const std::array<float, 3> weights = place.weights();
         Tensor2 sum;
         for (int k = 0; k < 3; ++k) {
             const Index v = welded_vertices(surface, place.triangle)[k];

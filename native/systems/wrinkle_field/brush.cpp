@@ -119,7 +119,7 @@ std::vector<Request> ask(const Canvas& canvas, const Dab& dab) {
 Request mirrored(const Model& model, std::span<const Request> requests, const SurfacePoint& twin, size_t v) {
     Request out;
     if (twin.triangle == kNone) return out;
-    const float fraction[3] = {1.0f - twin.b0 - twin.b1, twin.b0, twin.b1};
+    const std::array<float, 3> fraction = twin.weights();
     Director sum;
     for (int k = 0; k < 3; ++k) {
         const Index corner = model.base.triangles[twin.triangle].corner[k];

@@ -22,17 +22,11 @@ float between(const std::array<float, kProfileIntervals + 1>& table, const formu
     return table[place.index] + place.fraction * (table[place.index + 1] - table[place.index]);
 }
 
-struct Weights {
-    float of[3];
-};
-
-Weights weights_of(const SurfacePoint& place) {
-    return {{1.0f - place.b0 - place.b1, place.b0, place.b1}};
-}
+using Weights = std::array<float, 3>;
 
 Vec3 point_at(const Corners& corners, const Weights& weights, std::span<const Vec3> values) {
     Vec3 sum(0.0f);
-    for (int k = 0; k < 3; ++k) sum += weights.of[k] * values[corners[k]];
+    for (int k = 0; k < 3; ++k) sum += weights[k] * values[corners[k]];
     return sum;
 }
 
@@ -43,7 +37,7 @@ Height height_at(const Waves& waves, const Profile& profile, std::span<const flo
     for (int k = 0; k < 3; ++k) {
         const Index v = corners[k];
         const formulas::ProfilePlace at = formulas::profile_place(phase_at(waves, phase, v, point));
-        const float weight = weights.of[k] * waves.height[v];
+        const float weight = weights[k] * waves.height[v];
         out.height += weight * between(profile.height, at);
         out.gradient += weight * at.sign * between(profile.slope, at) * waves.wave_vector[v];
     }
@@ -114,7 +108,7 @@ void displace(const Model& model, const Waves& waves, const Profile& profile, st
     for (size_t v = 0; v < fine; ++v) {
         const SurfacePoint& place = model.attachments.places[v];
         const Corners corners = welded_vertices(model.base, place.triangle);
-        const Weights weights = weights_of(place);
+        const Weights weights = place.weights();
         const Vec3 normal = point_at(corners, weights, waves.normals);
         const float length = glm::length(normal);
         if (length < kShortestNormal) continue;
@@ -138,12 +132,12 @@ void fill_points(const Model& model, const Waves& waves, std::span<const float> 
             continue;
         }
         const Corners corners = welded_vertices(model.base, place.triangle);
-        const Weights weights = weights_of(place);
+        const Weights weights = place.weights();
         int nearest = 0;
         float amplitude = 0.0f;
         for (int k = 0; k < 3; ++k) {
-            amplitude += weights.of[k] * waves.height[corners[k]];
-            if (weights.of[k] > weights.of[nearest]) nearest = k;
+            amplitude += weights[k] * waves.height[corners[k]];
+            if (weights[k] > weights[nearest]) nearest = k;
         }
         const Index v = corners[nearest];
         picture.amplitude.push_back(amplitude);
@@ -159,7 +153,7 @@ void fill_points(const Model& model, const Waves& waves, std::span<const float> 
 Height evaluate(const Model& model, const Waves& waves, const Profile& profile, std::span<const float> phase,
                 const SurfacePoint& place) {
     const Corners corners = welded_vertices(model.base, place.triangle);
-    const Weights weights = weights_of(place);
+    const Weights weights = place.weights();
     return height_at(waves, profile, phase, corners, weights, point_at(corners, weights, waves.positions));
 }
 

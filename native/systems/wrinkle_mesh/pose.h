@@ -42,10 +42,8 @@ std::vector<Value> carry(const Model& model, std::span<const Value> base_values)
     for_each_index(out.size(), kLeastSteps, [&](size_t v) {
         const SurfacePoint& place = model.attachments.places[v];
         const Triangle& triangle = model.base.triangles[place.triangle];
-        const auto value = [&](int k) {
-            return base_values[model.base.display.corner_vertex[triangle.corner[k]]];
-        };
-        out[v] = (1.0f - place.b0 - place.b1) * value(0) + place.b0 * value(1) + place.b1 * value(2);
+        out[v] = place.interpolate(
+            [&](int k) { return base_values[model.base.display.corner_vertex[triangle.corner[k]]]; });
     });
     return out;
 }

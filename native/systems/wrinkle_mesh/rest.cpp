@@ -21,7 +21,7 @@ class TrianglesAt {
     }
 
     std::vector<Index> operator()(const SurfacePoint& place) const {
-        const float weight[3] = {1.0f - place.b0 - place.b1, place.b0, place.b1};
+        const std::array<float, 3> weight = place.weights();
         std::vector<Index> found{place.triangle};
         for (Index k = 0; k < 3; ++k) {
             const Index half_edge = 3 * place.triangle + k;

@@ -69,8 +69,8 @@ SparseRows attachment_rows(const Surface& dense, const Attachments& attachments)
     if (attachments.kind == AttachmentKind::kLimit) return attachments.limit;
     SparseRows out;
     for (const SurfacePoint& place : attachments.places) {
-        const auto [a, b, c] = welded_vertices(dense, place.triangle);
-        out.add(a, 1.0f - place.b0 - place.b1), out.add(b, place.b0), out.add(c, place.b1);
+        const std::array<Index, 3> corners = welded_vertices(dense, place.triangle);
+        for (int k = 0; k < 3; ++k) out.add(corners[k], place.weights()[k]);
         out.end_row();
     }
     return out;

@@ -37,10 +37,8 @@ float hem_weight(const Model& model, const Settings& settings, Index vertex) {
 }
 
 float hem_weight(const Model& model, const Settings& settings, const SurfacePoint& place) {
-    const auto corner = [&](Index k) {
-        return hem_weight(model, settings, model.net.vertex[3 * place.triangle + k]);
-    };
-    return (1.0f - place.b0 - place.b1) * corner(0) + place.b0 * corner(1) + place.b1 * corner(2);
+    return place.interpolate(
+        [&](Index k) { return hem_weight(model, settings, model.net.vertex[3 * place.triangle + k]); });
 }
 
 namespace {

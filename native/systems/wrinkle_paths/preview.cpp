@@ -105,7 +105,7 @@ Drawn drawn_at(const Model& model, const Settings& settings, const Drawing& draw
         n[k] = float(drawing.curved) * drawing.normal[v];
         hem[k] = drawing.hem[v];
     }
-    const float fraction = (1.0f - place.b0 - place.b1) * hem[0] + place.b0 * hem[1] + place.b1 * hem[2];
+    const float fraction = place.interpolate([&](int k) { return hem[k]; });
     const Vec3 flat = interpolate(base, place, drawing.flat),
                outwards = unit(interpolate(base, place, drawing.normal));
     const formulas::FoldBlend blend =
