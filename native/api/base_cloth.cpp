@@ -352,8 +352,8 @@ rumple_status rumple_base_cloth_swing_solve(
         const auto worn_over = posed(bodies);
         const auto painted = paint_in(of_model(paint, m, "paint"));
         auto solved = sound_from(state_in(of_model(before, m, "state")), [&](const base_cloth::State* from) {
-            return base_cloth::swing(*m.model, options, motion, painted, points,
-                                     worn_over ? &*worn_over : nullptr, from);
+            return base_cloth::solve_swing(*m.model, options, motion, painted, points,
+                                           worn_over ? &*worn_over : nullptr, from);
         });
         if (report) *report = report_of(solved.report);
         return new rumple_base_cloth_state{m.model, std::move(solved)};

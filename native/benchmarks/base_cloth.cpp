@@ -85,8 +85,9 @@ void frames(benchmark::State& bench, Stage until, bool on_all_threads = false) {
         if (until == kBody) continue;
         const base_cloth::State* before = first ? nullptr : &cloth_state;
         base_cloth::Result cloth =
-            until == kSwing ? base_cloth::swing(*scene.cloth, {}, {}, {}, scene.poses[at], &bodies, before)
-                            : base_cloth::solve(*scene.cloth, {}, {}, scene.poses[at], &bodies, before);
+            until == kSwing
+                ? base_cloth::solve_swing(*scene.cloth, {}, {}, {}, scene.poses[at], &bodies, before)
+                : base_cloth::solve(*scene.cloth, {}, {}, scene.poses[at], &bodies, before);
         cloth_state = std::move(cloth.state);
         if (until >= kWideLayers) {
             wrinkle_mesh::Input input{cloth.positions};

@@ -41,11 +41,11 @@ struct Swinging {
     Swinging(const Garment& worn, const base_cloth::Settings& how, const base_cloth::Swing& swings,
              const Points& pose, base_cloth::Paint painted = {})
         : garment(worn), settings(how), swing(swings), paint(std::move(painted)) {
-        now = base_cloth::swing(*garment.model, settings, swing, paint, pose, nullptr, nullptr);
+        now = base_cloth::solve_swing(*garment.model, settings, swing, paint, pose, nullptr, nullptr);
     }
 
     const base_cloth::Result& play(const Points& pose) {
-        now = base_cloth::swing(*garment.model, settings, swing, paint, pose, nullptr, &now.state);
+        now = base_cloth::solve_swing(*garment.model, settings, swing, paint, pose, nullptr, &now.state);
         return now;
     }
     const base_cloth::Motion& motion() const { return now.state.motion; }

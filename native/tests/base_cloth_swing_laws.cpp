@@ -362,17 +362,17 @@ TEST(BaseClothSwingLaws, AFrameOfZeroSecondsStopsNothing) {
 TEST(BaseClothSwingLaws, AStateThatDoesNotSwingStartsAnewAndBadInputIsNamed) {
     const Garment garment(grid(6, 6, 0.05f)), other(grid(4, 4, 0.05f));
     const Points& pose = garment.mesh.positions;
-    const Result fresh = swing(*garment.model, {}, {}, {}, pose, nullptr, nullptr);
+    const Result fresh = solve_swing(*garment.model, {}, {}, {}, pose, nullptr, nullptr);
     const Result hanging = garment.solve({}, pose);
-    const Result foreign = swing(*other.model, {}, {}, {}, other.mesh.positions, nullptr, nullptr);
+    const Result foreign = solve_swing(*other.model, {}, {}, {}, other.mesh.positions, nullptr, nullptr);
     for (const State* state : {&hanging.state, &foreign.state}) {
-        const Result anew = swing(*garment.model, {}, {}, {}, pose, nullptr, state);
+        const Result anew = solve_swing(*garment.model, {}, {}, {}, pose, nullptr, state);
         EXPECT_TRUE(equal_bits(anew.positions, fresh.positions));
     }
     // Nor does Hang go on from one that swings.
     EXPECT_TRUE(equal_bits(garment.solve({}, pose, &fresh.state), hanging));
     const auto refused = [&](const Swing& bad, const char* name) {
-        expect_refused([&] { swing(*garment.model, {}, bad, {}, pose, nullptr, nullptr); }, {name});
+        expect_refused([&] { solve_swing(*garment.model, {}, bad, {}, pose, nullptr, nullptr); }, {name});
     };
     refused({.seconds = -1.0f}, "seconds");
     refused({.longest_step = 0.0f}, "longest_step");

@@ -281,7 +281,7 @@ TEST(ForceFieldsOnCloth, WhatActsOnVerticesIsCheckedAsEverythingIs) {
         return [&garment, &pose, change] {
             base_cloth::Swing swing = windy();
             change(swing);
-            base_cloth::swing(*garment.model, {}, swing, {}, pose, nullptr, nullptr);
+            base_cloth::solve_swing(*garment.model, {}, swing, {}, pose, nullptr, nullptr);
         };
     };
     std::vector<Vec3> few(pose.size() - 1, Vec3(0.0f)), bad(pose.size(), Vec3(kNan));

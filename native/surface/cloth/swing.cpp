@@ -43,18 +43,28 @@ Acting acting_on(const Model& model, const Swing& swing) {
     return {welded(model, swing.air), welded(model, swing.push), welded(model, resist)};
 }
 
+// What all time steps of a frame have in common.
+struct Frame {
+    const Model& model;
+    const Settings& settings;
+    const Swing& swing;
+    const Pose& pose;  // at its end
+    Acting acting;
+};
+
 // ---------------------------------------------------------------- locomotion
 // The motion of the frame before, in the object space of this one. The part of the garment's own motion that
 // causes no inertia is applied to it. In these coordinates Newton's laws hold for the whole frame.
-Motion carried(const Model& model, const Swing& swing, const Pose& pose, Motion motion) {
+Motion carried(const Frame& frame, Motion motion) {
+    const Swing& swing = frame.swing;
     for (size_t v = 0; v < motion.position.size(); ++v) {
         motion.position[v] = swing.placement.of_point(motion.position[v]);
         motion.animated[v] = swing.placement.of_point(motion.animated[v]);
         motion.animated_before[v] = swing.placement.of_point(motion.animated_before[v]);
         motion.velocity[v] = swing.placement.matrix * motion.velocity[v];
     }
-    const RigidMotion part =
-        part_of(rigid_motion(model.area, motion.animated, pose.animated), 1.0 - double(swing.locomotion));
+    const RigidMotion part = part_of(rigid_motion(frame.model.area, motion.animated, frame.pose.animated),
+                                     1.0 - double(swing.locomotion));
     for (size_t v = 0; v < motion.position.size(); ++v) {
         motion.position[v] = part.of_point(motion.position[v]);
         motion.animated[v] = part.of_point(motion.animated[v]);
@@ -69,7 +79,9 @@ Vec3 at_or_none(const std::vector<Vec3>& of, size_t v) {
 }
 
 // Whether the forces on every vertex have changed by at most `most`, object units / s^2.
-bool acts_as_before(const Swing& swing, const Acting& acting, const Motion& was, float most) {
+bool acts_as_before(const Frame& frame, const Motion& was, float most) {
+    const Swing& swing = frame.swing;
+    const Acting& acting = frame.acting;
     if (was.wind != swing.wind) return false;
     for (size_t v = 0; v < was.position.size(); ++v) {
         const Vec3 air = swing.wind + at_or_none(acting.air, v),
@@ -83,14 +95,14 @@ bool acts_as_before(const Swing& swing, const Acting& acting, const Motion& was,
 
 // Whether everything that acts on the cloth is the same but for rounding, and the cloth had come to rest.
 // Then it does not change at all.
-bool holds(const Model& model, const Settings& settings, const Swing& swing, const Acting& acting,
-           const Pose& pose, const Motion& was, const State& state) {
-    const float length = static_cast<float>(mean_length(model)), still = kHeldStrain * length;
+bool holds(const Frame& frame, const Motion& was, const State& state) {
+    const Pose& pose = frame.pose;
+    const float length = static_cast<float>(mean_length(frame.model)), still = kHeldStrain * length;
     if (was.fastest > kStillSwing * length) return false;
-    if (was.gravity != settings.gravity) return false;
+    if (was.gravity != frame.settings.gravity) return false;
     // A smaller change moves no vertex by more than `still` against the pull back alone.
-    if (!acts_as_before(swing, acting, was, still * settings.follow)) return false;
-    if (!same_pose(model, pose, state, still)) return false;
+    if (!acts_as_before(frame, was, still * frame.settings.follow)) return false;
+    if (!same_pose(frame.model, pose, state, still)) return false;
     for (size_t v = 0; v < pose.animated.size(); ++v) {
         if (glm::distance(pose.animated[v], was.animated[v]) > still) return false;
     }
@@ -98,20 +110,27 @@ bool holds(const Model& model, const Settings& settings, const Swing& swing, con
 }
 
 // ---------------------------------------------------------------- a time step
+struct TimeStep {
+    const Pose& pose;  // at its end
+    float h;           // s
+};
+
 // Per vertex: the coefficient of air drag, area / s. A triangle is pushed along its normal by the square of
 // the speed of the air relative to it. One of the two factors is the speed at the beginning of the step.
-std::vector<glm::mat3> drag_of(const Model& model, const Swing& swing, const Acting& acting,
-                               std::span<const Vec3> x, std::span<const Vec3> velocity) {
+std::vector<glm::mat3> drag_of(const Frame& frame, const Motion& motion) {
+    const Surface& surface = frame.model.surface;
+    const std::vector<Vec3>&x = motion.position, &velocity = motion.velocity;
     std::vector<glm::mat3> out(x.size(), glm::mat3(0.0f));
-    if (swing.drag <= 0.0f) return out;
-    for (Index t = 0; t < static_cast<Index>(model.surface.triangles.size()); ++t) {
-        const std::array<Index, 3> v = welded_vertices(model.surface, t);
+    if (frame.swing.drag <= 0.0f) return out;
+    for (Index t = 0; t < static_cast<Index>(surface.triangles.size()); ++t) {
+        const std::array<Index, 3> v = welded_vertices(surface, t);
         const Vec3 normal = glm::cross(x[v[1]] - x[v[0]], x[v[2]] - x[v[0]]);
         const float twice_area = glm::length(normal);
         if (twice_area < kShortestEdge * kShortestEdge) continue;
         const Vec3 n = normal / twice_area;
-        const Vec3 met = acting.air_at(swing, v) - (velocity[v[0]] + velocity[v[1]] + velocity[v[2]]) / 3.0f;
-        const float drag = twice_area / 6.0f * swing.drag * std::abs(glm::dot(met, n));
+        const Vec3 met =
+            frame.acting.air_at(frame.swing, v) - (velocity[v[0]] + velocity[v[1]] + velocity[v[2]]) / 3.0f;
+        const float drag = twice_area / 6.0f * frame.swing.drag * std::abs(glm::dot(met, n));
         const glm::mat3 along = drag * glm::outerProduct(n, n);
         for (const Index corner : v) out[corner] += along;
     }
@@ -119,11 +138,11 @@ std::vector<glm::mat3> drag_of(const Model& model, const Swing& swing, const Act
 }
 
 // The displacement of every vertex by inertia. It ends at the edge of the room.
-std::vector<Vec3> inertial_displacements(const Pose& pose, const Motion& motion, float h) {
+std::vector<Vec3> inertial_displacements(const TimeStep& step, const Motion& motion) {
     std::vector<Vec3> out;
     for (size_t v = 0; v < motion.position.size(); ++v) {
-        const Vec3 displacement = h * motion.velocity[v], there = motion.position[v] + displacement;
-        const Vec3 kept = pose.within_room(v, there);
+        const Vec3 displacement = step.h * motion.velocity[v], there = motion.position[v] + displacement;
+        const Vec3 kept = step.pose.within_room(v, there);
         out.push_back(kept == there ? displacement : kept - motion.position[v]);
     }
     return out;
@@ -131,8 +150,9 @@ std::vector<Vec3> inertial_displacements(const Pose& pose, const Motion& motion,
 
 // Pinned vertices start at the animation, free vertices where inertia moves them. Otherwise most iterations
 // of conjugate gradients would be for the pins.
-std::vector<Vec3> first_guess(const Pose& pose, const Motion& motion, std::span<const Vec3> displacement,
-                              float h) {
+std::vector<Vec3> first_guess(const TimeStep& step, const Motion& motion,
+                              std::span<const Vec3> displacement) {
+    const auto& [pose, h] = step;
     std::vector<Vec3> out;
     for (size_t v = 0; v < displacement.size(); ++v) {
         const float pull = pose.follow[v] * h * h;
@@ -146,35 +166,39 @@ std::vector<Vec3> first_guess(const Pose& pose, const Motion& motion, std::span<
 // functions whose slope is the force at the end of the step. Damping: A d / (2 h) |(x - from) - (displacement
 // of the animation)|^2. Air: h / 2 u . D u, u = wind - (x - from) / h. Push: -A push . x. Resistance: A r /
 // (2 h) |x - from|^2.
-Inertia inertia_of(const Model& model, const Swing& swing, const Acting& acting, const Pose& pose,
-                   const Motion& motion, std::span<const Vec3> displacement, float h) {
-    Inertia out{motion.position, {}, drag_of(model, swing, acting, motion.position, motion.velocity)};
+Inertia inertia_of(const Frame& frame, const TimeStep& step, const Motion& motion,
+                   std::span<const Vec3> displacement) {
+    const auto& [pose, h] = step;
+    const Swing& swing = frame.swing;
+    const Acting& acting = frame.acting;
+    const std::vector<float>& area = frame.model.area;
+    Inertia out{motion.position, {}, drag_of(frame, motion)};
     for (size_t v = 0; v < displacement.size(); ++v) {
-        const float mass = model.area[v] / h;
+        const float mass = area[v] / h;
         const Vec3 animated_displacement = pose.animated[v] - motion.animated[v];
         out.push.push_back(mass * (displacement[v] / h + swing.damping * animated_displacement) +
                            out.resist[v] * acting.air_at(swing, Index(v)));
-        if (!acting.push.empty()) out.push[v] += model.area[v] * acting.push[v];
+        if (!acting.push.empty()) out.push[v] += area[v] * acting.push[v];
         if (!acting.resist.empty()) {
             const Vec3& resist = acting.resist[v];
-            out.resist[v] +=
-                glm::mat3(model.area[v] * (resist.x + resist.y * glm::length(motion.velocity[v])));
+            out.resist[v] += glm::mat3(area[v] * (resist.x + resist.y * glm::length(motion.velocity[v])));
         }
         out.resist[v] = glm::mat3(mass * (1.0f / h + swing.damping)) + out.resist[v] / h;
     }
     return out;
 }
 
-// One time step of the length h. motion: receives the motion at its end. Returns the speed that decides
-// whether the cloth is at rest.
-float step(const Model& model, const Settings& settings, const Swing& swing, const Acting& acting,
-           const Pose& pose, float h, Motion& motion, std::vector<Plane>& planes, Result& out) {
-    const std::vector<Vec3> displacement = inertial_displacements(pose, motion, h);
-    std::vector<Vec3> x = first_guess(pose, motion, displacement, h);
-    look_for_contacts(model, pose, x, out.state.contact_hint, planes);
-    const Inertia inertia = inertia_of(model, swing, acting, pose, motion, displacement, h);
-    for (int newton = 0; newton < swing.newton_steps; ++newton)
-        newton_step({model, settings, pose, planes, &inertia}, x, out.report);
+// Takes one time step. motion: receives the motion at its end. Returns the speed that decides whether the
+// cloth is at rest.
+float take_step(const Frame& frame, const TimeStep& step, Motion& motion, std::vector<Plane>& planes,
+                Result& out) {
+    const auto& [pose, h] = step;
+    const std::vector<Vec3> displacement = inertial_displacements(step, motion);
+    std::vector<Vec3> x = first_guess(step, motion, displacement);
+    look_for_contacts(frame.model, pose, x, out.state.contact_hint, planes);
+    const Inertia inertia = inertia_of(frame, step, motion, displacement);
+    for (int newton = 0; newton < frame.swing.newton_steps; ++newton)
+        newton_step({frame.model, frame.settings, pose, planes, &inertia}, x, out.report);
     float fastest = 0.0f;
     for (size_t v = 0; v < x.size(); ++v) {
         const Vec3 velocity = (x[v] - motion.position[v]) / h;
@@ -183,7 +207,7 @@ float step(const Model& model, const Settings& settings, const Swing& swing, con
         out.report.moved = std::max(out.report.moved, h * glm::length(velocity));
         motion.velocity[v] = velocity;
     }
-    out.report.steps += swing.newton_steps;
+    out.report.steps += frame.swing.newton_steps;
     motion.position = std::move(x);
     motion.animated = pose.animated;
     return fastest;
@@ -204,38 +228,38 @@ std::vector<Vec3> animated_at(const Pose& pose, const Motion& was, float seconds
 }
 
 // The time steps of a frame. was: from carried(). Returns the motion at its end.
-Motion step_through(const Model& model, const Settings& settings, const Swing& swing, const Acting& acting,
-                    const Pose& pose, const Motion& was, std::vector<Plane>& planes, Result& out) {
+Motion step_through(const Frame& frame, const Motion& was, std::vector<Plane>& planes, Result& out) {
+    const Swing& swing = frame.swing;
     const double wanted = std::ceil(double(swing.seconds) / double(swing.longest_step) - kStepSlack);
     const int steps = int(std::min(wanted, kMostSteps));
     const float h = swing.seconds / float(std::max(steps, 1));
     Motion motion = was;
     if (steps > 0) motion.fastest = 0.0f;
-    Pose pose_between = steps > 1 ? pose : Pose{};
-    for (int i = 1; i < steps; ++i) {
+    Pose pose_between = steps > 1 ? frame.pose : Pose{};
+    for (int i = 1; i <= steps; ++i) {
+        const bool last = i == steps;
         const float fraction = float(i) / float(steps);
-        move_to(model, pose, animated_at(pose, was, swing.seconds, fraction), pose_between);
-        motion.fastest = std::max(motion.fastest,
-                                  step(model, settings, swing, acting, pose_between, h, motion, planes, out));
+        if (!last)
+            move_to(frame.model, frame.pose, animated_at(frame.pose, was, swing.seconds, fraction),
+                    pose_between);
+        motion.fastest = std::max(
+            motion.fastest, take_step(frame, {last ? frame.pose : pose_between, h}, motion, planes, out));
     }
-    if (steps > 0)
-        motion.fastest =
-            std::max(motion.fastest, step(model, settings, swing, acting, pose, h, motion, planes, out));
     return motion;
 }
 
 // ---------------------------------------------------------------- a frame
 // The equilibrium of the pose, with zero velocity.
-Result from_rest(const Model& model, const Settings& settings, const Swing& swing, Acting acting,
-                 const Pose& pose, bool has_bodies, std::vector<Index> body_hint) {
-    Result out = solve_pose(model, settings, pose, has_bodies, std::move(body_hint), nullptr);
+Result from_rest(Frame frame, bool has_bodies, std::vector<Index> body_hint) {
+    const Pose& pose = frame.pose;
+    Result out = solve_pose(frame.model, frame.settings, pose, has_bodies, std::move(body_hint), nullptr);
     Motion& motion = out.state.motion;
     motion.position = motion.animated = motion.animated_before = pose.animated;
     motion.velocity.assign(pose.animated.size(), Vec3(0.0f));
-    motion.gravity = settings.gravity;
-    motion.wind = swing.wind;
-    motion.air = std::move(acting.air);
-    motion.push = std::move(acting.push);
+    motion.gravity = frame.settings.gravity;
+    motion.wind = frame.swing.wind;
+    motion.air = std::move(frame.acting.air);
+    motion.push = std::move(frame.acting.push);
     for (size_t v = 0; v < pose.animated.size(); ++v)
         motion.position[v] += pose.frame[v].to_object(out.state.offset[v]);
     out.state.offset.clear();
@@ -276,25 +300,23 @@ State activated(State state) {
     return state;
 }
 
-Result swing(const Model& model, const Settings& settings, const Swing& swing, const Paint& paint,
-             std::span<const Vec3> positions, const PosedCollider* bodies, const State* before) {
+Result solve_swing(const Model& model, const Settings& settings, const Swing& swing, const Paint& paint,
+                   std::span<const Vec3> positions, const PosedCollider* bodies, const State* before) {
     check(settings);
     check(swing, model.surface.welded_of.size());
     const SolveTeam team = team_for(model);
     if (!fits(model, before)) before = nullptr;
     std::vector<Index> body_hint = before ? before->body_hint : std::vector<Index>();
     const Pose pose = make_pose(model, settings, paint, positions, bodies, body_hint);
-    if (!before)
-        return from_rest(model, settings, swing, acting_on(model, swing), pose, bodies != nullptr,
-                         std::move(body_hint));
+    Frame frame{model, settings, swing, pose, acting_on(model, swing)};
+    if (!before) return from_rest(std::move(frame), bodies != nullptr, std::move(body_hint));
     Result out;
     out.state.body_hint = std::move(body_hint);
     out.state.contact_hint = before->contact_hint;
-    const Motion was = carried(model, swing, pose, before->motion);
+    const Motion was = carried(frame, before->motion);
     std::vector<Plane> planes(model.area.size());
-    Acting acting = acting_on(model, swing);
-    const bool held = holds(model, settings, swing, acting, pose, was, *before);
-    Motion motion = held ? was : step_through(model, settings, swing, acting, pose, was, planes, out);
+    const bool held = holds(frame, was, *before);
+    Motion motion = held ? was : step_through(frame, was, planes, out);
     look_for_contacts(model, pose, motion.position, out.state.contact_hint, planes);
     keep_pose(pose, held ? before : nullptr, out.state);
     motion.animated_before = was.animated;
@@ -302,8 +324,8 @@ Result swing(const Model& model, const Settings& settings, const Swing& swing, c
     motion.gravity = settings.gravity;
     motion.wind = swing.wind;
     if (!held) {
-        motion.air = std::move(acting.air);
-        motion.push = std::move(acting.push);
+        motion.air = std::move(frame.acting.air);
+        motion.push = std::move(frame.acting.push);
     }
     out.state.motion = std::move(motion);
     std::vector<Vec3> x = out.state.motion.position;

@@ -40,7 +40,7 @@ State activated(State state);
 
 // Solves one frame like solve(). Without a state with inertia the result is the equilibrium of the pose, with
 // zero velocity. Cost: about 0.7 of solve() from a state, for each time step.
-Result swing(const Model& model, const Settings& settings, const Swing& swing, const Paint& paint,
-             std::span<const Vec3> positions, const PosedCollider* bodies, const State* state);
+Result solve_swing(const Model& model, const Settings& settings, const Swing& swing, const Paint& paint,
+                   std::span<const Vec3> positions, const PosedCollider* bodies, const State* state);
 
 }  // namespace rumple::base_cloth
