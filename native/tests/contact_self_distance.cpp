@@ -187,8 +187,10 @@ TEST(SelfDistance, AVertexMovesAtMostByAShareOfTheGap) {
         wrinkle_mesh::solve(*u.layers, u.settings(0.0f), paint, {u.pose}, nullptr, reports);
     const auto farthest = [&](const LayersState& solved) {
         const Input input{u.pose};
-        const std::vector<Vec3> positions = wrinkle_mesh::solved_positions(
-            drape, settings[0], input, wrinkle_mesh::make_pose(drape, input), solved.layers[0]);
+        const wrinkle_mesh::Pose pose = wrinkle_mesh::make_pose(drape, input);
+        const wrinkle_mesh::OffsetFrames frames(drape, settings[0], input, pose);
+        const std::vector<Vec3> positions =
+            wrinkle_mesh::solved_positions(pose, frames.in_object(solved.layers[0]));
         float most = 0.0f;
         for (size_t v = 0; v < u.pose.size(); ++v) {
             const float s = u.mesh.positions[v].x - 0.5f * kEdge * U::kAlong;

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "base/smooth_step.h"
+#include "surface/cloth/smooth_normals.h"
 #include "surface/mesh/edge_graph.h"
 #include "surface/mesh/normals.h"
 
@@ -36,19 +37,6 @@ glm::mat3 surface_frame(const Vec3& normal, const Vec3& along) {
 Index above_hem(std::span<const NearHem> near, Index from, float reach) {
     while (from != kNone && near[from].distance < reach) from = near[from].farther;
     return from == kNone || near[from].farther == kNone ? kNone : from;
-}
-
-void average_with_neighbours(const Surface& surface, std::span<const float> share,
-                             std::vector<Vec3>& values) {
-    std::vector<Vec3> sum = values;
-    std::vector<int> count(values.size(), 1);
-    for (const Edge& edge : surface.edges) {
-        sum[edge.a] += values[edge.b];
-        sum[edge.b] += values[edge.a];
-        ++count[edge.a];
-        ++count[edge.b];
-    }
-    for (size_t v = 0; v < values.size(); ++v) values[v] = share[v] * sum[v] / float(count[v]);
 }
 
 }  // namespace
@@ -111,7 +99,7 @@ void unfold_hems(const Surface& surface, std::span<const NearHem> near, std::spa
         folded = folded || unfold[v] != Vec3(0.0f);
     }
     if (!folded) return;
-    for (int i = 0; i < kAverages; ++i) average_with_neighbours(surface, share, unfold);
+    average_with_neighbours(surface, kAverages, share, unfold);
     for (size_t v = 0; v < animated.size(); ++v) animated[v] += unfold[v];
 }
 

@@ -28,28 +28,30 @@ int passes_for(const Surface& surface) {
     return std::max(static_cast<int>(std::lround(few * few)), 1);
 }
 
-void smooth(const Surface& surface, int passes, std::vector<Vec3>& values) {
+}  // namespace
+
+void average_with_neighbours(const Surface& surface, int times, std::span<const float> share,
+                             std::vector<Vec3>& values) {
     std::vector<float> count(values.size(), 1.0f);
     for (const Edge& edge : surface.edges) {
         count[edge.a] += 1.0f;
         count[edge.b] += 1.0f;
     }
     std::vector<Vec3> sum;
-    for (int pass = 0; pass < passes; ++pass) {
+    for (int i = 0; i < times; ++i) {
         sum = values;
         for (const Edge& edge : surface.edges) {
             sum[edge.a] += values[edge.b];
             sum[edge.b] += values[edge.a];
         }
-        for (size_t v = 0; v < values.size(); ++v) values[v] = sum[v] / count[v];
+        for (size_t v = 0; v < values.size(); ++v)
+            values[v] = (share.empty() ? 1.0f : share[v]) * sum[v] / count[v];
     }
 }
 
-}  // namespace
-
 std::vector<Vec3> smooth_normals_at_rest(const Surface& surface) {
     std::vector<Vec3> normals = vertex_normals(surface, surface.positions_rest);
-    smooth(surface, passes_for(surface), normals);
+    average_with_neighbours(surface, passes_for(surface), {}, normals);
     for (Vec3& n : normals) n = direction_of_normals(n);
     return normals;
 }

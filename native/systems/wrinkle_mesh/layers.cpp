@@ -353,7 +353,8 @@ LayersState solve(const Layers& layers, std::span<const Settings> settings, std:
         out.layers.push_back(solve_pose(layer, settings[k], of_hems.go_on(layer, settings[k], paint[k]),
                                         layer_input.input(), pose, state ? &state->layers[k] : nullptr,
                                         reports[k]));
-        out.solved = solved_positions(layer, settings[k], layer_input.input(), pose, out.layers[k]);
+        const OffsetFrames frames(layer, settings[k], layer_input.input(), pose);
+        out.solved = solved_positions(pose, frames.in_object(out.layers[k]));
         layer_input.go_on(layer.base, pose, out.solved,
                           missed_by_limit(layers, k, differences(out.solved, unwrinkled)),
                           k + 2 == layers.layers.size());

@@ -204,9 +204,13 @@ Vec3 OffsetFrames::stored(size_t v, const Vec3& offset) const {
     return pose_.frames[model_.attachments.places[v].triangle].to_local(offset);
 }
 
-Vec3 OffsetFrames::in_object(size_t v, const Vec3& stored) const {
-    if (world_) return object_from_world_ * stored;
-    return pose_.frames[model_.attachments.places[v].triangle].to_object(stored);
+std::vector<Vec3> OffsetFrames::in_object(const State& state) const {
+    std::vector<Vec3> out(state.offset.size());
+    for_each_index(out.size(), kLeastSteps, [&](size_t v) {
+        const TriangleFrame& frame = pose_.frames[model_.attachments.places[v].triangle];
+        out[v] = world_ ? object_from_world_ * state.offset[v] : frame.to_object(state.offset[v]);
+    });
+    return out;
 }
 
 std::vector<float> attachment_radii(const Model& model, const Settings& settings, const Paint& paint) {

@@ -75,9 +75,8 @@ void show_pose(const Model& model, const Settings& settings, const Input& input,
 Measures measure_pose(const Model& model, const Settings& settings, const Paint& paint, const Input& input,
                       const Pose& pose, const State& state);
 
-// p_i = a_i + o_i (2), object space.
-std::vector<Vec3> solved_positions(const Model& model, const Settings& settings, const Input& input,
-                                   const Pose& pose, const State& state);
+// p_i = a_i + o_i (2). offset: o_i, object space.
+std::vector<Vec3> solved_positions(const Pose& pose, std::span<const Vec3> offset);
 
 // Throws InvalidInput if the argument belongs to another model.
 void check(const Model& model, const Paint& paint);
@@ -92,7 +91,7 @@ class OffsetFrames {
   public:
     OffsetFrames(const Model& model, const Settings& settings, const Input& input, const Pose& pose);
     Vec3 stored(size_t v, const Vec3& offset) const;
-    Vec3 in_object(size_t v, const Vec3& stored) const;
+    std::vector<Vec3> in_object(const State& state) const;
 
   private:
     const Model& model_;

@@ -31,12 +31,9 @@ float compressed_area(const Model& model, std::span<const Vec3> base, std::span<
 
 }  // namespace
 
-std::vector<Vec3> solved_positions(const Model& model, const Settings& settings, const Input& input,
-                                   const Pose& pose, const State& state) {
-    const OffsetFrames frames(model, settings, input, pose);
+std::vector<Vec3> solved_positions(const Pose& pose, std::span<const Vec3> offset) {
     std::vector<Vec3> positions(pose.attachment);
-    for_each_index(positions.size(), kLeastSteps,
-                   [&](size_t v) { positions[v] += frames.in_object(v, state.offset[v]); });
+    for_each_index(positions.size(), kLeastSteps, [&](size_t v) { positions[v] += offset[v]; });
     return positions;
 }
 
@@ -49,15 +46,9 @@ void show_pose(const Model& model, const Settings& settings, const Input& input,
                const State& state, Picture& picture, bool in_viewport) {
     check(model, state);
     const SolveTeam team = team_for(model, settings.threads);
-    const size_t vertices = pose.attachment.size();
-    const OffsetFrames frames(model, settings, input, pose);
-    std::vector<Vec3> offset(vertices), positions(vertices);
-    for_each_index(vertices, kLeastSteps, [&](size_t v) {
-        offset[v] = frames.in_object(v, state.offset[v]);
-        positions[v] = pose.attachment[v] + offset[v];
-    });
-    show_frame(model.base, shown_mesh(model, in_viewport), model.stretch, pose.base, pose.frames, positions,
-               offset, picture);
+    const std::vector<Vec3> offset = OffsetFrames(model, settings, input, pose).in_object(state);
+    show_frame(model.base, shown_mesh(model, in_viewport), model.stretch, pose.base, pose.frames,
+               solved_positions(pose, offset), offset, picture);
 }
 
 Measures measure(const Model& model, const Settings& settings, const Paint& paint, const Input& input,
@@ -72,15 +63,13 @@ Measures measure_pose(const Model& model, const Settings& settings, const Paint&
     check(model, state);
     const std::optional<Pose> guided = guided_pose(model, paint, given);
     const Pose& pose = guided ? *guided : given;
-    const OffsetFrames frames(model, settings, input, pose);
+    const std::vector<Vec3> offset = OffsetFrames(model, settings, input, pose).in_object(state);
+    const std::vector<Vec3> positions = solved_positions(pose, offset);
     Measures out;
-    std::vector<Vec3> positions(pose.attachment.size());
     const std::vector<float> radii = attachment_radii(model, settings, paint);
     for (size_t v = 0; v < positions.size(); ++v) {
-        const Vec3 offset = frames.in_object(v, state.offset[v]);
-        positions[v] = pose.attachment[v] + offset;
-        out.offsets.push_back(pose.frames[model.attachments.places[v].triangle].to_local(offset));
-        const float length = glm::length(offset);
+        out.offsets.push_back(pose.frames[model.attachments.places[v].triangle].to_local(offset[v]));
+        const float length = glm::length(offset[v]);
         out.largest_offset = std::max(out.largest_offset, length);
         if (model.attached[v] && radii[v] > 0.0f) {
             out.attachment_violation = std::max(out.attachment_violation, (length - radii[v]) / radii[v]);

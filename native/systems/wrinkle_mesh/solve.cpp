@@ -128,15 +128,10 @@ struct Frame {
     Bounds bounds;
 };
 
-// p_i = a_i + o_i (2), with the offsets from the frame before.
+// Where the offsets from the frame before are; without one at the attachments.
 std::vector<Vec3> start_positions(const Frame& frame) {
-    std::vector<Vec3> positions = frame.pose.attachment;
-    if (frame.before) {
-        for_each_index(positions.size(), kLeastSteps, [&](size_t v) {
-            positions[v] += frame.offsets.in_object(v, frame.before->offset[v]);
-        });
-    }
-    return positions;
+    if (!frame.before) return frame.pose.attachment;
+    return solved_positions(frame.pose, frame.offsets.in_object(*frame.before));
 }
 
 // Moves the active vertices. Returns the number of iterations.
