@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Every tolerance, with its name, its unit and its reason.
+// Shared tolerances, each with its name, its unit and its reason. One that only a single file uses may stand
+// there.
 #pragma once
 
 namespace rumple {

@@ -13,6 +13,11 @@ namespace {
 
 constexpr int kFillSweeps = 24;  // Gauss-Seidel; the interpolation is local (spread), so this is enough
 
+// Shares over which the effect of a body comes and goes, so that the cloth does not jump when a vertex
+// crosses a limit: from ClearanceSettings::depth up to this share of it, and from this share of the reach up
+// to the reach.
+constexpr float kWhollyOut = 0.25f, kFades = 0.7f;
+
 // The clearance that is known at one vertex.
 struct Known {
     float value = 0.0f;
@@ -21,7 +26,7 @@ struct Known {
 
 // A bare garment inside the body is moved out to the thickness. Deep parts stay: they are hidden there.
 float room_inwards(const ClearanceSettings& settings, float distance) {
-    const float out = smooth_step(-settings.depth, -0.25f * settings.depth, distance);
+    const float out = smooth_step(-settings.depth, -kWhollyOut * settings.depth, distance);
     return out * (distance - settings.thickness);
 }
 
@@ -77,7 +82,7 @@ Clearance clearance(const ClearanceModel& model, const ClearanceSettings& settin
         if (contact.triangle == kNone) return;
         // The weight decreases towards the limit of the reach.
         const auto fading = [&](float farthest) {
-            return contact.weight * (1.0f - smooth_step(0.7f, 1.0f, std::abs(contact.distance) / farthest));
+            return contact.weight * (1.0f - smooth_step(kFades, 1.0f, std::abs(contact.distance) / farthest));
         };
         known[v] = {room_inwards(settings, contact.distance), fading(reach)};
         contact.weight = fading(settings.reach);

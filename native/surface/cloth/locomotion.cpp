@@ -9,8 +9,9 @@
 namespace rumple::base_cloth {
 namespace {
 
-constexpr int kTurns = 60;        // most iterations; a rotation by 20 degrees takes four
-constexpr double kTurned = 1e-9;  // radians: the iteration ends below this
+constexpr int kTurns = 60;                   // most iterations; a rotation by 20 degrees takes four
+constexpr double kTurned = 1e-9;             // radians: the iteration ends below this
+constexpr double kNoDivisionByZero = 1e-30;  // object units^4: far below any sum but 0
 
 // axis: unit.
 glm::dquat turn_about(const glm::dvec3& axis, double angle) {
@@ -30,7 +31,7 @@ glm::dquat rotation_of(const glm::dmat3& sum) {
             axis += glm::cross(r[k], sum[k]);
             along += glm::dot(r[k], sum[k]);
         }
-        axis /= std::abs(along) + 1e-30;
+        axis /= std::abs(along) + kNoDivisionByZero;
         const double angle = glm::length(axis);
         if (angle < kTurned) break;
         turn = glm::normalize(turn_about(axis / angle, angle) * turn);

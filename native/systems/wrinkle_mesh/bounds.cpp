@@ -19,6 +19,10 @@ constexpr int kFloorSteps = 4;
 // Relative tolerance of squared distances, for rounding.
 constexpr float kEquallyNear = 1e-4f;
 
+// Unit: attachment radii. How far below its floor a vertex is left by a solve, and while it is held. A solve
+// is stricter, so that what it leaves is not pushed again when it is held.
+constexpr float kSolvedBelow = 0.25f * kHeldOutside, kHeldBelow = 0.5f * kHeldOutside;
+
 bool in_any(bool beyond) {
     return beyond;
 }
@@ -117,7 +121,7 @@ Bound<float> Bounds::bound(size_t v) const {
 }
 
 void Bounds::project(size_t v, Vec3& p) const {
-    put_within(v, 0.25f * kHeldOutside * radii_[v], p);
+    put_within(v, kSolvedBelow * radii_[v], p);
 }
 
 void Bounds::pull(const Bound<Lanes>& bound, Vec3Lanes& p) const {
@@ -173,7 +177,7 @@ bool Bounds::kept_apart(size_t v, const Vec3& p) const {
 
 bool Bounds::push_back(size_t v, Vec3& p) const {
     Vec3 inside = p;
-    put_within(v, 0.5f * kHeldOutside * radii_[v], inside);
+    put_within(v, kHeldBelow * radii_[v], inside);
     if (glm::distance(inside, p) <= kHeldOutside * radii_[v]) return false;
     p = inside;
     return true;
