@@ -96,8 +96,8 @@ inline double spring_energy(const base_cloth::Settings& s, bool diagonal, double
                    (double(s.folded) - double(s.compression)) * half_square(folded));
 }
 
-// Share of compression, folded and smoothing that a spring has.
-inline double firmness(const base_cloth::Settings& s, const base_cloth::Model::Spring& spring) {
+// The factor of compression, folded and smoothing that a spring has.
+inline double compression_scale(const base_cloth::Settings& s, const base_cloth::Model::Spring& spring) {
     const double tight = std::min(double(s.tube_radius) * double(spring.curvature), 1.0);
     return std::max(tight * tight * tight * tight, double(s.flat_share));
 }
@@ -133,7 +133,7 @@ inline double energy(const base_cloth::Model& model, const base_cloth::Settings&
         const glm::dvec3 turned = way - glm::dot(along, way) * along;
         const double hang = glm::dot(glm::dvec3(s.hang), along);
         const double slack = 1.0 + (double(s.slack) - 1.0) * (1.0 - hang * hang);
-        const double firm = firmness(s, spring);
+        const double firm = compression_scale(s, spring);
         double e = spring_energy(s, spring.diagonal, firm, glm::length(way), slack * double(spring.rest));
         const double smoothing = double(s.smoothing) * firm * of_smoothing(model, s, spring);
         if (!spring.diagonal) e += 0.5 * smoothing * glm::dot(turned, turned);

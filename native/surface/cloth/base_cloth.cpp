@@ -109,9 +109,9 @@ Result solve_pose(const Model& model, const Settings& settings, const Pose& pose
     const Schedule schedule = schedule_of(model, settings, pose, before);
     for (bool last = schedule.most_steps == 0; !last;) {
         last = ++out.report.steps == schedule.most_steps;
-        Cloth cloth{model, settings, pose, planes};
-        if (!last) cloth.overshoot = kOvershoot;
-        out.report.moved = newton_step(cloth, x, out.report);
+        NewtonProblem problem{model, settings, pose, planes};
+        if (!last) problem.overshoot = kOvershoot;
+        out.report.moved = newton_step(problem, x, out.report);
         last = last || out.report.moved < schedule.settled;
         if (last || out.report.steps % schedule.contact_every == 0)
             look_for_contacts(model, pose, x, out.state.contact_hint, planes);

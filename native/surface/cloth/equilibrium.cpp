@@ -46,14 +46,14 @@ struct PackedPose {
     const Settings& settings;
     std::vector<Row> animated;
     std::vector<Vertices> vertices;
-    std::span<const float> cut, firmness, smoothing;  // as in Pose
+    std::span<const float> rest_length, compression_scale, smoothing;  // as in Pose
     struct Inertia {
         Row from, push;
         Matrix resist;
     };
     std::vector<Inertia> inertia;  // empty: none
 
-    PackedPose(const Cloth& cloth, std::vector<Row>& x);
+    PackedPose(const NewtonProblem& problem, std::vector<Row>& x);
 
     std::vector<Row> rows() const { return std::vector<Row>(animated.size()); }
 };
@@ -64,15 +64,15 @@ std::vector<Row> rows_with_a_spare(std::span<const Vec3> vectors) {
     return rows;
 }
 
-PackedPose::PackedPose(const Cloth& cloth, std::vector<Row>& x)
-    : model(cloth.model),
-      settings(cloth.settings),
-      animated(rows_with_a_spare(cloth.pose.animated)),
+PackedPose::PackedPose(const NewtonProblem& problem, std::vector<Row>& x)
+    : model(problem.model),
+      settings(problem.settings),
+      animated(rows_with_a_spare(problem.pose.animated)),
       vertices(animated.size() / kLanes),
-      cut(cloth.pose.cut),
-      firmness(cloth.pose.firmness),
-      smoothing(cloth.pose.smoothing) {
-    const Pose& pose = cloth.pose;
+      rest_length(problem.pose.rest_length),
+      compression_scale(problem.pose.compression_scale),
+      smoothing(problem.pose.smoothing) {
+    const Pose& pose = problem.pose;
     for (size_t v = 0; v < pose.animated.size(); ++v) {
         Vertices& four = vertices[v / kLanes];
         const int k = static_cast<int>(v % kLanes);
@@ -82,8 +82,8 @@ PackedPose::PackedPose(const Cloth& cloth, std::vector<Row>& x)
         four.follow[k] = pose.follow[v];
         four.room[k] = pose.room[v];
         four.slide_share[k] = pose.slide_share[v];
-        four.under_plane.point.set(k, cloth.planes[v].point);
-        four.under_plane.normal.set(k, cloth.planes[v].normal);
+        four.under_plane.point.set(k, problem.planes[v].point);
+        four.under_plane.normal.set(k, problem.planes[v].normal);
         four.ahead_plane.point.set(k, pose.ahead[v].point);
         four.ahead_plane.normal.set(k, pose.ahead[v].normal);
     }
@@ -91,11 +91,11 @@ PackedPose::PackedPose(const Cloth& cloth, std::vector<Row>& x)
         const Lanes inward = -vertices[four].under_plane.height_of(columns(four_of(x, four)));
         vertices[four].grip = settings.friction * vertices[four].contact_stiffness() * most(inward, Lanes{});
     }
-    if (!cloth.inertia) return;
+    if (!problem.inertia) return;
     inertia.resize(animated.size());
     for (size_t v = 0; v < pose.animated.size(); ++v) {
-        const glm::mat3& resist = cloth.inertia->resist[v];
-        inertia[v] = {cloth.inertia->from[v], cloth.inertia->push[v], {resist[0], resist[1], resist[2]}};
+        const glm::mat3& resist = problem.inertia->resist[v];
+        inertia[v] = {problem.inertia->from[v], problem.inertia->push[v], {resist[0], resist[1], resist[2]}};
     }
 }
 
@@ -128,7 +128,7 @@ struct Tension {
     Lanes force;
     Lanes slope;
 };
-Tension tension(const Settings& settings, const LaneMask& diagonal, const Lanes& firmness,
+Tension tension(const Settings& settings, const LaneMask& diagonal, const Lanes& compression_scale,
                 const Lanes& length, const Lanes& rest) {
     const Lanes zero{};
     const Lanes longer = length - rest;
@@ -139,7 +139,7 @@ Tension tension(const Settings& settings, const LaneMask& diagonal, const Lanes&
     const Lanes very_taut = taut + (kBeyondLimit - 1.0f) * k * beyond;
     const Lanes folded = length - settings.compression_limit * rest;
     const LaneMask weak = folded >= zero;
-    const Lanes k1 = settings.compression * firmness, k2 = settings.folded * firmness;
+    const Lanes k1 = settings.compression * compression_scale, k2 = settings.folded * compression_scale;
     const Lanes pushed = k1 * longer;
     const Lanes folding = pushed + (k2 - k1) * folded;
     const Lanes slope = weak ? k1 : k2;
@@ -263,9 +263,9 @@ void forces(const PackedPose& pose, std::vector<Row>& x, std::vector<Row>& out, 
         const Vec3Lanes displacement = ends_apart(springs, x);
         const Lanes length = length_of(displacement);
         const Vec3Lanes n = direction_of(displacement);
-        const Lanes firmness = load_lanes(&pose.firmness[s * kLanes]);
-        const Tension t =
-            tension(settings, springs.diagonal, firmness, length, load_lanes(&pose.cut[s * kLanes]));
+        const Lanes compression_scale = load_lanes(&pose.compression_scale[s * kLanes]);
+        const Tension t = tension(settings, springs.diagonal, compression_scale, length,
+                                  load_lanes(&pose.rest_length[s * kLanes]));
         const Lanes smooth = springs.diagonal ? Lanes{} : load_lanes(&pose.smoothing[s * kLanes]);
         // The rotation of the spring away from its animated direction. It is computed from the difference, so
         // that it is exactly zero at rest.
@@ -286,23 +286,23 @@ void forces(const PackedPose& pose, std::vector<Row>& x, std::vector<Row>& out, 
 
 }  // namespace
 
-float newton_step(const Cloth& cloth, std::span<Vec3> x, Report& report) {
+float newton_step(const NewtonProblem& problem, std::span<Vec3> x, Report& report) {
     std::vector<Row> at = rows_with_a_spare(x);
-    const PackedPose pose(cloth, at);
+    const PackedPose pose(problem, at);
     std::vector<Row> force = pose.rows(), step = pose.rows(), tried = pose.rows(), there = pose.rows();
     Hessian hessian;
-    hessian.springs.resize(cloth.model.springs.size());
+    hessian.springs.resize(problem.model.springs.size());
     hessian.diagonal.resize(at.size());
     forces(pose, at, force, &hessian);
     report.cg_iterations +=
-        conjugate_gradients(cloth.model, hessian, force, cloth.settings.most_cg_iterations, step);
+        conjugate_gradients(problem.model, hessian, force, problem.settings.most_cg_iterations, step);
     const double slope = inner_product(force, step);
     float fraction = 1.0f;
     for (int i = 0; i < kShortenings; ++i) {
         for (size_t v = 0; v < at.size(); ++v) tried[v].xyz = at[v].xyz + fraction * step[v].xyz;
         forces(pose, tried, there, nullptr);
         const double slope_there = inner_product(there, step);
-        if (slope_there >= -cloth.overshoot * slope) break;
+        if (slope_there >= -problem.overshoot * slope) break;
         fraction *= static_cast<float>(std::max(slope / (slope - slope_there), 0.1));
     }
     float farthest = 0.0f;

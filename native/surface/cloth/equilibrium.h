@@ -16,7 +16,8 @@ struct Inertia {
     std::vector<glm::mat3> resist;  // symmetric, positive definite
 };
 
-struct Cloth {
+// The energy that Newton's method minimises.
+struct NewtonProblem {
     const Model& model;
     const Settings& settings;
     const Pose& pose;
@@ -29,7 +30,7 @@ struct Cloth {
 
 // One Newton step. It may be too long, because springs that are slack before it and taut after it are not in
 // its Hessian. Returns the largest movement of a vertex in the full step.
-float newton_step(const Cloth& cloth, std::span<Vec3> x, Report& report);
+float newton_step(const NewtonProblem& problem, std::span<Vec3> x, Report& report);
 
 // The team for a frame of this model.
 SolveTeam team_for(const Model& model);

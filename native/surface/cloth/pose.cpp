@@ -280,7 +280,7 @@ void describe(const Model& model, const Settings& settings, const Pose& pose, st
         touching += height_above(planes[v], x[v]) < kTouching * settings.room;
     }
     for (size_t s = 0; s < model.springs.size(); ++s)
-        taut += glm::distance(x[model.springs[s].a], x[model.springs[s].b]) > pose.cut[s];
+        taut += glm::distance(x[model.springs[s].a], x[model.springs[s].b]) > pose.rest_length[s];
     out.report.offset_mean = static_cast<float>(sum / double(std::max<size_t>(vertices, 1)));
     out.report.touching = float(touching) / float(std::max<size_t>(vertices, 1));
     out.report.body_known = pose.body_known;
@@ -356,16 +356,16 @@ Pose make_pose(const Model& model, const Settings& settings, const Paint& paint,
     for (const Model::Spring& spring : model.springs) {
         const Vec3 along = pose.animated[spring.b] - pose.animated[spring.a];
         pose.length.push_back(glm::length(along));
-        pose.cut.push_back(slack_along(settings, along) * spring.rest);
+        pose.rest_length.push_back(slack_along(settings, along) * spring.rest);
         const float loose = std::min(room_factor[spring.a], room_factor[spring.b]);
-        const float firmness = share_of_curvature(settings, spring.curvature) / std::sqrt(loose);
-        pose.firmness.push_back(firmness);
-        pose.smoothing.push_back(settings.smoothing * firmness *
+        const float compression_scale = share_of_curvature(settings, spring.curvature) / std::sqrt(loose);
+        pose.compression_scale.push_back(compression_scale);
+        pose.smoothing.push_back(settings.smoothing * compression_scale *
                                  std::min(of_smoothing[spring.a], of_smoothing[spring.b]));
     }
-    pose.cut.resize(in_fours(pose.cut.size()));
-    pose.firmness.resize(pose.cut.size());
-    pose.smoothing.resize(pose.cut.size());
+    pose.rest_length.resize(in_fours(pose.rest_length.size()));
+    pose.compression_scale.resize(pose.rest_length.size());
+    pose.smoothing.resize(pose.rest_length.size());
     return pose;
 }
 

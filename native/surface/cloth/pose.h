@@ -39,9 +39,9 @@ struct Pose {
     std::vector<float> ahead_height;  // of the animated place above that plane, object units; none: its room
     float body_known = 0.0f;          // share of the vertices that have a body under them
     std::vector<float> length;        // of every spring between the animated vertices, object units
-    std::vector<float> cut;  // of every spring: length of the cloth, object units; in fours, 0 after the last
-    // Of every spring: share of compression and folded, 0..1; in fours, 0 after the last.
-    std::vector<float> firmness;
+    // Of every spring, in fours, 0 after the last: rest length with its slack, object units; the factor of
+    // Settings::compression and Settings::folded, 0..1.
+    std::vector<float> rest_length, compression_scale;
     std::vector<float> smoothing;    // of every spring: Settings::smoothing times shares; likewise
     std::vector<float> follow;       // 1/s^2
     std::vector<float> room;         // Settings::room times paint, object units, >= 0
