@@ -89,8 +89,10 @@ void frame(benchmark::State& bench, const Row& row, Index level) {
                 adapt(cloth.model->base, *cloth.model, cloth.settings, input, pose, &before, changes));
         });
         Report report;
-        timed(solving, [&] { after = solve(*cloth.model, cloth.settings, {}, input, &before, report); });
-        timed(modelling, [&] { show(*cloth.model, cloth.settings, input, after, picture); });
+        const auto pose = [&] { return make_pose(*cloth.model, input.positions); };
+        timed(solving,
+              [&] { after = solve(*cloth.model, cloth.settings, {}, input, pose(), &before, report); });
+        timed(modelling, [&] { show(*cloth.model, cloth.settings, pose(), after, picture); });
         f = (f + 1) % kFrames;
     }
     double paths = 0.0;

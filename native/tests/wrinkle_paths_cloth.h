@@ -35,7 +35,8 @@ struct PathCloth {
         wrinkle_paths::Input input;
         input.positions = pose;
         input.time = before ? before->time + 1.0 / frame_rate : 0.0;
-        return wrinkle_paths::solve(*model, settings, {}, input, before, report ? *report : unused);
+        return wrinkle_paths::solve(*model, settings, {}, input, make_pose(*model, pose), before,
+                                    report ? *report : unused);
     }
     // frames of pose(seconds), from rest; visit(state, report) after each.
     template <typename PoseAt, typename Visit>
@@ -53,18 +54,12 @@ struct PathCloth {
         return play(seconds, pose, [](const auto&, const auto&) {});
     }
     wrinkle_paths::Picture show(const Pose3& pose, const wrinkle_paths::State& state) const {
-        wrinkle_paths::Input input;
-        input.positions = pose;
-        input.time = state.time;
         wrinkle_paths::Picture picture;
-        wrinkle_paths::show(*model, settings, input, state, picture);
+        wrinkle_paths::show(*model, settings, make_pose(*model, pose), state, picture);
         return picture;
     }
     wrinkle_paths::Curves curves(const Pose3& pose, const wrinkle_paths::State& state) const {
-        wrinkle_paths::Input input;
-        input.positions = pose;
-        input.time = state.time;
-        return wrinkle_paths::curves(*model, settings, input, state);
+        return wrinkle_paths::curves(*model, settings, make_pose(*model, pose), state);
     }
     std::string validate(const wrinkle_paths::State& state) const {
         return wrinkle_paths::validate(*model, state.paths);

@@ -11,13 +11,6 @@ namespace {
 
 using namespace wrinkle_paths;
 
-Input input_of(const Pose3& pose, const State& state) {
-    Input input;
-    input.positions = pose;
-    input.time = state.time;
-    return input;
-}
-
 // The formula of the header, from the artist's vertices alone.
 Vec3 ridden(const RidingCurves& curves, size_t i, const Pose3& pose) {
     const auto& [a, b, c] = curves.corners[i];
@@ -36,7 +29,9 @@ struct BentTube : PathCloth {
         pose = bent(2.0f, 0.5f);
         state = solve(pose);
     }
-    RidingCurves ride() const { return wrinkle_paths::ride(*model, settings, input_of(pose, state), state); }
+    RidingCurves ride() const {
+        return wrinkle_paths::ride(*model, settings, make_pose(*model, pose), state);
+    }
 };
 
 TEST(PathCurves, RidingOnTheirOwnPoseTheyStandOnTheCrests) {
@@ -126,26 +121,24 @@ TEST(PathEllipses, ByHand) {
     mesh.add_polygon({0, 1, 2});
     const PathCloth cloth(mesh);
     const State rest = cloth.solve(cloth.mesh.positions);
-    const Pose3 pose = cloth.squeezed(0.8f, 1.5f);
+    const Pose pose = make_pose(*cloth.model, cloth.squeezed(0.8f, 1.5f));
     const Ellipse ellipse = ellipses(*cloth.model, pose, rest, 1.0f)[0];
     EXPECT_LT(glm::distance(ellipse.centre, Vec3(0.8f, 2.0f, 0.0f)), 1e-6f);
     EXPECT_NEAR(std::abs(ellipse.compressed.x), 0.8f, 1e-6f);
     EXPECT_NEAR(glm::length(ellipse.compressed), 0.8f, 1e-6f);
     EXPECT_NEAR(std::abs(ellipse.stretched.y), 1.5f, 1e-6f);
     EXPECT_NEAR(glm::length(ellipse.stretched), 1.5f, 1e-6f);
-    const Pose3 flat = cloth.squeezed(0.0f);
+    const Pose flat = make_pose(*cloth.model, cloth.squeezed(0.0f));
     EXPECT_EQ(ellipses(*cloth.model, flat, rest)[0].stretched, Vec3(0.0f)) << "nothing is known";
 }
 
 TEST(PathEllipses, WhatDoesNotFitIsRefused) {
     const PathCloth cloth(grid(3, 3, 0.1f));
     const State rest = cloth.solve(cloth.mesh.positions);
-    Pose3 pose = cloth.mesh.positions;
-    pose[5].y = kNan;
-    expect_refused([&] { ellipses(*cloth.model, pose, rest); }, {"positions", "vertex 5 "});
+    const Pose pose = make_pose(*cloth.model, cloth.mesh.positions);
     State other = rest;
     other.reference.pop_back();
-    expect_refused([&] { ellipses(*cloth.model, cloth.mesh.positions, other); }, {"reference"});
+    expect_refused([&] { ellipses(*cloth.model, pose, other); }, {"reference"});
 }
 
 }  // namespace

@@ -90,7 +90,8 @@ TEST(WrinklePathsInput, AStateOfAnotherMeshOrOfALaterTimeIsRefused) {
     input.positions = cloth.mesh.positions;
     input.time = 4.0;
     Report report;
-    expect_refused([&] { solve(*cloth.model, cloth.settings, {}, input, &late, report); },
+    const Pose pose = make_pose(*cloth.model, input.positions);
+    expect_refused([&] { solve(*cloth.model, cloth.settings, {}, input, pose, &late, report); },
                    {"time: ", "5.0", "4.0"});
     State spoiled = cloth.solve(cloth.mesh.positions);
     spoiled.paths = {{7, 1.0f, {{0, kNone, {0.1f, 0.1f}}, {3, kNone, {0.1f, 0.1f}}}}};
@@ -122,7 +123,8 @@ TEST(WrinklePathsInput, LabelsPaintAndTimesAreChecked) {
     input.positions = cloth.mesh.positions;
     Report report;
     const auto call = [&](const Paint& paint) {
-        return solve(*cloth.model, cloth.settings, paint, input, nullptr, report);
+        const Pose pose = make_pose(*cloth.model, input.positions);
+        return solve(*cloth.model, cloth.settings, paint, input, pose, nullptr, report);
     };
     expect_refused([&] { call({std::vector<float>(5, 1.0f)}); }, {"paint.mask", "expected 9 ", "got 5"});
     std::vector<float> mask(9, 1.0f);

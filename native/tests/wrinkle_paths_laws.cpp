@@ -321,7 +321,8 @@ TEST(WrinklePaths, KeepAwayFromWhatIsMaskedAndFromHems) {
     Input input;
     input.positions = pose;
     Report report;
-    const State masked = solve(*cloth.model, cloth.settings, paint, input, nullptr, report);
+    const State masked =
+        solve(*cloth.model, cloth.settings, paint, input, make_pose(*cloth.model, pose), nullptr, report);
     ASSERT_FALSE(masked.paths.empty());
     for (const Vec3& p : cloth.curves(pose, masked).positions) EXPECT_GT(p.x, 0.7f * 0.15f);
     cloth.settings.hem_rings = 3;

@@ -42,7 +42,6 @@ struct BentSleeve {
     MeshData mesh;
     std::shared_ptr<const wrinkle_paths::Model> model;
     wrinkle_paths::Settings settings;
-    wrinkle_paths::Input input;
     Pose3 pose;
     State state;
     Drawing drawing;
@@ -57,13 +56,20 @@ struct BentSleeve {
         settings.hem_rings = 2;
         const auto at = [&](double t) { return cloth.bent(1.5f * float(std::min(t, 1.0)), kLength); };
         wrinkle_paths::Report report;
+        wrinkle_paths::Input input;
         for (int f = 0; f <= 40; ++f) {
             pose = at(f / 30.0);
             input.positions = pose;
             input.time = f / 30.0;
-            state = wrinkle_paths::solve(*model, settings, {}, input, f ? &state : nullptr, report);
+            state = wrinkle_paths::solve(*model, settings, {}, input, make_pose(*model, pose),
+                                         f ? &state : nullptr, report);
         }
-        drawing = draw(*model, settings, input, state);
+        drawing = draw(*model, settings, input, make_pose(*model, pose), state);
+    }
+    wrinkle_paths::Picture show() const {
+        wrinkle_paths::Picture picture;
+        wrinkle_paths::show(*model, settings, make_pose(*model, pose), state, picture);
+        return picture;
     }
     Drawn at(const SurfacePoint& place) const { return drawn_at(*model, settings, drawing, place); }
     bool folds(Index triangle) const {
@@ -81,8 +87,7 @@ SurfacePoint on_edge(Index half_edge, float fraction) {
 TEST(PathPreview, HasTheHeightsOfTheFineMeshToTheBit) {
     const BentSleeve sleeve;
     ASSERT_GT(sleeve.state.paths.size(), 2u);
-    wrinkle_paths::Picture picture;
-    show(*sleeve.model, sleeve.settings, sleeve.input, sleeve.state, picture);
+    const wrinkle_paths::Picture picture = sleeve.show();
     const auto& places = sleeve.model->attachments.places;
     ASSERT_EQ(picture.height.size(), places.size());
     for (size_t v = 0; v < places.size(); ++v) EXPECT_EQ(sleeve.at(places[v]).height, picture.height[v]) << v;
@@ -91,8 +96,7 @@ TEST(PathPreview, HasTheHeightsOfTheFineMeshToTheBit) {
 TEST(PathPreview, OnFlatTrianglesIsTheFineMesh) {
     for (const AttachmentKind kind : {AttachmentKind::kLinear, AttachmentKind::kPnTriangle}) {
         const BentSleeve sleeve(kind);
-        wrinkle_paths::Picture picture;
-        show(*sleeve.model, sleeve.settings, sleeve.input, sleeve.state, picture);
+        const wrinkle_paths::Picture picture = sleeve.show();
         const auto& places = sleeve.model->attachments.places;
         for (size_t v = 0; v < places.size(); ++v)
             EXPECT_LT(glm::distance(sleeve.at(places[v]).position, picture.positions[v]), 1e-6f) << v;
@@ -107,8 +111,7 @@ TEST(PathPreview, OnTheLimitSurfaceIsNearTheFineMesh) {
     for (const auto& [mesh, most_mean] :
          {Case{sleeve_of_quads(), 5e-4f}, Case{sleeve_with_triangles(), 6e-4f}}) {
         const BentSleeve sleeve(AttachmentKind::kLimit, mesh);
-        wrinkle_paths::Picture picture;
-        show(*sleeve.model, sleeve.settings, sleeve.input, sleeve.state, picture);
+        const wrinkle_paths::Picture picture = sleeve.show();
         const auto& places = sleeve.model->attachments.places;
         float sum = 0.0f;
         for (size_t v = 0; v < places.size(); ++v) {

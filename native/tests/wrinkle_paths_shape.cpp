@@ -222,9 +222,8 @@ TEST(PathShow, ListsMissNoPieceThatReachesATriangle) {
     const Pose3 pose = cloth.squeezed(0.7f);
     const State state = cloth.solve(pose);
     ASSERT_GT(state.paths.size(), 3u);
-    Input input;
-    input.positions = pose;
-    const TriangleLists lists = build_triangle_lists(*cloth.model, cloth.settings, input, state);
+    const TriangleLists lists =
+        build_triangle_lists(*cloth.model, cloth.settings, make_pose(*cloth.model, pose), state);
     const Curves lines = cloth.curves(pose, state);
     const Picture picture = cloth.show(pose, state);
     size_t lifted = 0;
@@ -248,9 +247,8 @@ TEST(PathShow, ListsAreSortedAndWhole) {
     cloth.settings.reference = Reference::kStaticRest;
     const Pose3 pose = cloth.bent(2.0f, 0.5f);
     const State state = cloth.solve(pose);
-    Input input;
-    input.positions = pose;
-    const TriangleLists lists = build_triangle_lists(*cloth.model, cloth.settings, input, state);
+    const TriangleLists lists =
+        build_triangle_lists(*cloth.model, cloth.settings, make_pose(*cloth.model, pose), state);
     ASSERT_EQ(lists.triangle_start.size(), size_t(cloth.model->net.triangles()) + 1);
     EXPECT_EQ(size_t(lists.triangle_start.back()), lists.ranges.size());
     const Curves lines = cloth.curves(pose, state);

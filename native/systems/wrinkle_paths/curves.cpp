@@ -72,11 +72,6 @@ struct SmoothBase {
 
 }  // namespace
 
-RidingCurves ride(const Model& model, const Settings& settings, const Input& input, const State& state,
-                  std::span<const Vec3> animated) {
-    return ride(model, settings, make_pose(model, input.positions), state, animated);
-}
-
 RidingCurves ride(const Model& model, const Settings& settings, const Pose& pose, const State& state,
                   std::span<const Vec3> animated) {
     RidingCurves out{curves(model, settings, pose, state), {}, {}, {}};
@@ -101,11 +96,6 @@ RidingCurves ride(const Model& model, const Settings& settings, const Pose& pose
         out.corners.push_back(corners);
     }
     return out;
-}
-
-std::vector<Ellipse> ellipses(const Model& model, std::span<const Vec3> positions, const State& state,
-                              float size) {
-    return ellipses(model, make_pose(model, positions), state, size);
 }
 
 std::vector<Ellipse> ellipses(const Model& model, const Pose& pose, const State& state, float size) {

@@ -21,8 +21,6 @@ struct RidingCurves : Curves {
 // position per vertex of the base. Cost: as curves() and the base's normals.
 RidingCurves ride(const Model& model, const Settings& settings, const Pose& pose, const State& state,
                   std::span<const Vec3> animated = {});
-RidingCurves ride(const Model& model, const Settings& settings, const Input& input, const State& state,
-                  std::span<const Vec3> animated = {});
 
 // The deformation of a circle drawn on each reference triangle: an ellipse. Its semi-axes are the stretches
 // relative to the reference, times `size`, times the radius of the triangle's inscribed circle.
@@ -31,10 +29,8 @@ struct Ellipse {
     Vec3 compressed{0.0f};  // semi-axis along the strongest compression, object space
     Vec3 stretched{0.0f};   // the other one
 };
-// Per triangle. Triangles without known stretches have no axes. Throws InvalidInput if positions or state do
-// not match the model. Cost: O(triangles).
+// Per triangle. Triangles without known stretches have no axes. Throws InvalidInput if the state does not
+// match the model. Cost: O(triangles).
 std::vector<Ellipse> ellipses(const Model& model, const Pose& pose, const State& state, float size = 0.8f);
-std::vector<Ellipse> ellipses(const Model& model, std::span<const Vec3> positions, const State& state,
-                              float size = 0.8f);
 
 }  // namespace rumple::wrinkle_paths

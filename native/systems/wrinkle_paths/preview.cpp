@@ -71,10 +71,6 @@ formulas::FoldBlend folds_at(const Settings& settings, const TriangleLists& list
 
 }  // namespace
 
-Drawing draw(const Model& model, const Settings& settings, const Input& input, const State& state) {
-    return draw(model, settings, input, make_pose(model, input.positions), state);
-}
-
 Drawing draw(const Model& model, const Settings& settings, const Input& input, const Pose& pose,
              const State& state) {
     Drawing drawing;

@@ -29,7 +29,6 @@ struct Drawing {
 // Throws like show(). Cost: O(triangles reached).
 Drawing draw(const Model& model, const Settings& settings, const Input& input, const Pose& pose,
              const State& state);
-Drawing draw(const Model& model, const Settings& settings, const Input& input, const State& state);
 
 // For tests: computes a place like the vertex and fragment stages.
 struct Drawn {

@@ -204,11 +204,6 @@ PathContext shown_context(const Model& model, const Settings& settings, const Po
 
 }  // namespace
 
-void show(const Model& model, const Settings& settings, const Input& input, const State& state,
-          Picture& picture) {
-    show(model, settings, make_pose(model, input.positions), state, picture);
-}
-
 void show(const Model& model, const Settings& settings, const Pose& pose, const State& state,
           Picture& picture) {
     const PathContext context = shown_context(model, settings, pose, state);
@@ -219,18 +214,9 @@ void show(const Model& model, const Settings& settings, const Pose& pose, const 
     apply<float>(model.shown.from_solved, lifted.height, picture.height);
 }
 
-TriangleLists build_triangle_lists(const Model& model, const Settings& settings, const Input& input,
-                                   const State& state) {
-    return build_triangle_lists(model, settings, make_pose(model, input.positions), state);
-}
-
 TriangleLists build_triangle_lists(const Model& model, const Settings& settings, const Pose& pose,
                                    const State& state) {
     return build_triangle_lists(shown_context(model, settings, pose, state), settings, state.paths);
-}
-
-Curves curves(const Model& model, const Settings& settings, const Input& input, const State& state) {
-    return curves(model, settings, make_pose(model, input.positions), state);
 }
 
 Curves curves(const Model& model, const Settings& settings, const Pose& pose, const State& state) {

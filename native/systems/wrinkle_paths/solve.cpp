@@ -76,11 +76,6 @@ void check(const Model& model, const State& state) {
 }
 
 State solve(const Model& model, const Settings& settings, const Paint& paint, const Input& input,
-            const State* state, Report& report) {
-    return solve(model, settings, paint, input, make_pose(model, input.positions), state, report);
-}
-
-State solve(const Model& model, const Settings& settings, const Paint& paint, const Input& input,
             const Pose& pose, const State* state, Report& report) {
     check(settings);
     check(model, paint);

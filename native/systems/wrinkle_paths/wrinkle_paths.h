@@ -133,8 +133,6 @@ Pose make_pose(const Model& model, std::span<const Vec3> positions);
 // is of a later time. pose, here and below: make_pose() of the input's positions.
 State solve(const Model& model, const Settings& settings, const Paint& paint, const Input& input,
             const Pose& pose, const State* state, Report& report);
-State solve(const Model& model, const Settings& settings, const Paint& paint, const Input& input,
-            const State* state, Report& report);
 
 // Upper limit of the numbers of paths. When all numbers are used, no new path is created.
 inline constexpr Index kMostPathIds = 1 << 30;
@@ -156,10 +154,8 @@ std::vector<Stretch> stretches(const Model& model, const State& state,
 struct Picture : ShownFrame {
     std::vector<float> height;  // per shown vertex, along the smooth normal, object units
 };
-// Throws InvalidInput if positions or state do not match the model.
+// Throws InvalidInput if the state does not match the model.
 void show(const Model& model, const Settings& settings, const Pose& pose, const State& state,
-          Picture& picture);
-void show(const Model& model, const Settings& settings, const Input& input, const State& state,
           Picture& picture);
 
 // For every triangle the folds that reach it, in the layout that the preview uploads: the three buffers of
@@ -172,8 +168,6 @@ struct TriangleLists {
 // Chapter 8: walks outwards from each segment. Throws like show(). Cost: O(triangles reached).
 TriangleLists build_triangle_lists(const Model& model, const Settings& settings, const Pose& pose,
                                    const State& state);
-TriangleLists build_triangle_lists(const Model& model, const Settings& settings, const Input& input,
-                                   const State& state);
 
 // The paths as curves in space, smoothed as in the shown mesh (section 6.2).
 struct Curves {
@@ -185,6 +179,5 @@ struct Curves {
     std::vector<float> height;    // signed
 };
 Curves curves(const Model& model, const Settings& settings, const Pose& pose, const State& state);
-Curves curves(const Model& model, const Settings& settings, const Input& input, const State& state);
 
 }  // namespace rumple::wrinkle_paths
