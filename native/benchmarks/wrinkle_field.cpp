@@ -28,6 +28,11 @@ struct Scene {
         for (Vec3& p : pose) p = Vec3(0.7f * p.x, p.y, 0.02f * std::sin(6.0f * p.x));
         settings.threads = threads > 0 ? threads : static_cast<int>(std::thread::hardware_concurrency());
     }
+
+    State solve(const std::vector<Vec3>& positions, const State* before = nullptr) const {
+        Report unused;
+        return wrinkle_field::solve(*model, settings, {}, make_pose(*model, positions), before, unused);
+    }
 };
 
 void report(benchmark::State& bench, const Scene& scene) {
@@ -64,11 +69,10 @@ void solve_ten_rounds(benchmark::State& bench) {
     scene.settings.rounds = 10;
     std::vector<Vec3> poses[2] = {scene.pose, scene.pose};
     for (Vec3& p : poses[1]) p.x *= 0.95f;
-    Report unused;
-    State state = solve(*scene.model, scene.settings, {}, scene.pose, nullptr, unused);
+    State state = scene.solve(scene.pose);
     size_t frame = 0;
     for (auto _ : bench) {
-        state = solve(*scene.model, scene.settings, {}, poses[++frame % 2], &state, unused);
+        state = scene.solve(poses[++frame % 2], &state);
         benchmark::DoNotOptimize(state.phase.data());
     }
     report(bench, scene);
@@ -80,16 +84,12 @@ void shown_frame(benchmark::State& bench, bool fine_mesh) {
     plan.output = Output::kGeometry;
     plan.fine.level = fine_mesh ? 2 : 0;
     const Scene scene(Index(bench.range(0)), Index(bench.range(1)), int(bench.range(2)), plan);
-    Report unused;
-    const State state = solve(*scene.model, scene.settings, {}, scene.pose, nullptr, unused);
+    const State state = scene.solve(scene.pose);
     for (auto _ : bench) {
-        if (fine_mesh) {
-            const Picture picture = show(*scene.model, scene.settings, sine(), {}, scene.pose, state);
-            benchmark::DoNotOptimize(picture.positions.data());
-        } else {
-            const Waves waves = shown_waves(*scene.model, scene.settings, sine(), {}, scene.pose, state);
-            benchmark::DoNotOptimize(waves.height.data());
-        }
+        const Waves waves = shown_waves(*scene.model, scene.settings, sine(), {}, scene.pose, state);
+        benchmark::DoNotOptimize(waves.height.data());
+        if (fine_mesh)
+            benchmark::DoNotOptimize(show(*scene.model, waves, sine(), scene.pose, state).positions.data());
     }
     report(bench, scene);
 }

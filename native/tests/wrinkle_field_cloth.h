@@ -102,11 +102,13 @@ struct Field {
     wrinkle_field::State solve(const Pose3& pose, const wrinkle_field::State* before = nullptr,
                                wrinkle_field::Report* report = nullptr) const {
         wrinkle_field::Report unused;
-        return wrinkle_field::solve(*model, settings, paint, pose, before, report ? *report : unused);
+        return wrinkle_field::solve(*model, settings, paint, make_pose(*model, pose), before,
+                                    report ? *report : unused);
     }
     wrinkle_field::Picture show(const Pose3& pose, const wrinkle_field::State& state,
-                                const wrinkle_field::Profile& profile = wrinkle_field::sine()) const {
-        return wrinkle_field::show(*model, settings, profile, paint, pose, state);
+                                const wrinkle_field::Profile& profile = wrinkle_field::sine(),
+                                std::span<const float> gap = {}) const {
+        return wrinkle_field::show(*model, shown_waves(pose, state, profile), profile, pose, state, gap);
     }
     wrinkle_field::Waves shown_waves(const Pose3& pose, const wrinkle_field::State& state,
                                      const wrinkle_field::Profile& profile = wrinkle_field::sine()) const {

@@ -29,7 +29,8 @@ struct AdaptiveField : Field {
         frame_time.time = time;
         frame_time.labels = labels;
         Report report;
-        return wrinkle_field::solve(*model, settings, paint, pose, before, report, frame_time);
+        return wrinkle_field::solve(*model, settings, paint, make_pose(*model, pose), before, report,
+                                    frame_time);
     }
     template <typename PoseAt>
     State play(double seconds, double rate, PoseAt&& pose_at) const {

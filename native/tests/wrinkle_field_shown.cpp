@@ -178,8 +178,7 @@ TEST(WrinkleFieldShown, WavesGoNoFartherInwardsThanTheirGap) {
     const State state = field.solve(pose);
     std::vector<float> gap(field.mesh.positions.size());
     for (size_t v = 0; v < gap.size(); ++v) gap[v] = 0.02f * field.mesh.positions[v].x;
-    const Picture free = field.show(pose, state),
-                  bound = wrinkle_field::show(*field.model, field.settings, sine(), {}, pose, state, gap);
+    const Picture free = field.show(pose, state), bound = field.show(pose, state, sine(), gap);
     int lifted = 0;
     for (size_t v = 0; v < bound.positions.size(); ++v) {
         const float lowest = -0.02f / 0.7f * bound.positions[v].x;
@@ -188,7 +187,7 @@ TEST(WrinkleFieldShown, WavesGoNoFartherInwardsThanTheirGap) {
     }
     EXPECT_GT(lifted, 100);
     gap.pop_back();
-    expect_refused([&] { wrinkle_field::show(*field.model, {}, sine(), {}, pose, state, gap); }, {"gap"});
+    expect_refused([&] { field.show(pose, state, sine(), gap); }, {"gap"});
 }
 
 // Crests of the base stand so far off what is worn under it, a plane; its smooth surface is lower than they
@@ -201,8 +200,7 @@ TEST(WrinkleFieldShown, OnASmoothSurfaceWavesGoNoFartherInwardsThanItsOwnGap) {
     Pose3 pose = scaled(field.mesh, {0.7f, 1.0f, 1.0f});
     std::vector<float> gap(pose.size(), 0.0f);
     for (size_t v = 0; v < pose.size(); v += 5) pose[v].z = gap[v] = 0.02f;
-    const Picture bound =
-        wrinkle_field::show(*field.model, field.settings, sine(), {}, pose, field.solve(pose), gap);
+    const Picture bound = field.show(pose, field.solve(pose), sine(), gap);
     int lying = 0;
     for (const Vec3& p : bound.positions) {
         EXPECT_GT(p.z, -1e-6f);

@@ -178,18 +178,6 @@ Waves shown_waves(const Model& model, const Settings& settings, const Profile& p
     return waves;
 }
 
-Picture show(const Model& model, const Settings& settings, const Profile& profile, const Paint& paint,
-             std::span<const Vec3> positions, const State& state, std::span<const float> gap) {
-    return show(model, settings, profile, paint, positions, make_pose(model, positions), state, gap);
-}
-
-Picture show(const Model& model, const Settings& settings, const Profile& profile, const Paint& paint,
-             std::span<const Vec3> positions, const Pose& pose, const State& state,
-             std::span<const float> gap) {
-    return show(model, shown_waves(model, settings, profile, paint, pose, state), profile, positions, state,
-                gap);
-}
-
 Picture show(const Model& model, const Waves& waves, const Profile& profile, std::span<const Vec3> positions,
              const State& state, std::span<const float> gap) {
     if (!gap.empty()) expect_count("gap", gap.size(), model.base.display.vertex_count, "vertices");

@@ -343,11 +343,6 @@ State activated(const State& state) {
             state.reference};
 }
 
-State solve(const Model& model, const Settings& settings, const Paint& paint, std::span<const Vec3> positions,
-            const State* state, Report& report, const FrameTime& frame_time) {
-    return solve(model, settings, paint, make_pose(model, positions), state, report, frame_time);
-}
-
 State solve(const Model& model, const Settings& settings, const Paint& paint, const Pose& pose,
             const State* state, Report& report, const FrameTime& frame_time, Waves* estimated) {
     if (state && (state->phase.size() != model.base.positions_rest.size() ||

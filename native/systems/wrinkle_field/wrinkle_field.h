@@ -242,12 +242,10 @@ float misfit(const Model& model, const Waves& waves, std::span<const float> phas
 // make_pose(). waves: receives the solved waves, for show().
 State solve(const Model& model, const Settings& settings, const Paint& paint, const Pose& pose,
             const State* state, Report& report, const FrameTime& frame_time = {}, Waves* waves = nullptr);
-State solve(const Model& model, const Settings& settings, const Paint& paint, std::span<const Vec3> positions,
-            const State* state, Report& report, const FrameTime& frame_time = {});
 
 // The waves that show() draws: estimate_waves(), dissolve() and, for geometry, keep_length(), according to
-// the settings. Throws like show(). estimated: the waves that solve() returned with `state`. They equal a new
-// estimate from the directions of `state`, to the bit.
+// the settings. Throws like estimate_waves(), and if the state does not match the model. estimated: the waves
+// that solve() returned with `state`. They equal a new estimate from the directions of `state`, to the bit.
 Waves shown_waves(const Model& model, const Settings& settings, const Profile& profile, Waves estimated,
                   const State& state);
 Waves shown_waves(const Model& model, const Settings& settings, const Profile& profile, const Paint& paint,
@@ -268,15 +266,9 @@ struct Picture : ShownFrame {
     std::vector<Vec3> corner_u_gradient;  // du/dx' of equation (11), continuous over edges; empty without uv
     std::vector<Vec3> corner_v_gradient;
 };
-// gap: per display vertex of the base, how far the waves of kGeometry may move inwards, object units; empty:
-// as far as outwards. Throws InvalidInput if positions, paint, state or gap do not match the model. Cost:
-// O(triangles + shown vertices).
-Picture show(const Model& model, const Settings& settings, const Profile& profile, const Paint& paint,
-             std::span<const Vec3> positions, const Pose& pose, const State& state,
-             std::span<const float> gap = {});
-Picture show(const Model& model, const Settings& settings, const Profile& profile, const Paint& paint,
-             std::span<const Vec3> positions, const State& state, std::span<const float> gap = {});
-// waves: from shown_waves().
+// waves: from shown_waves(). gap: per display vertex of the base, how far the waves of kGeometry may move
+// inwards, object units; empty: as far as outwards. Throws InvalidInput if gap does not match the model.
+// Cost: O(triangles + shown vertices).
 Picture show(const Model& model, const Waves& waves, const Profile& profile, std::span<const Vec3> positions,
              const State& state, std::span<const float> gap = {});
 
