@@ -62,7 +62,7 @@ def garment() -> bpy.types.Object:
 
 def is_settled() -> bool:
     runtime = runtimes.known(garment())
-    return (runtime is None or not runtime.stale) and not scheduler.awaited()
+    return (runtime is None or not runtime.stale) and not scheduler.running_builds()
 
 
 def measured(name: str, act: Callable[[], Iterator[float] | None], until: Callable[[], bool] = is_settled

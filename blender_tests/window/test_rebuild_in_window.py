@@ -139,7 +139,7 @@ class Slow(WindowCase):
             bpy.ops.ed.undo()
         yield from self.until(lambda: not self.shown())
         # The thread is told to stop, and nobody waits for it.
-        self.assertEqual((modifier.find(self.obj), scheduler.awaited(), self.shown()), (None, [], False))
+        self.assertEqual((modifier.find(self.obj), scheduler.running_builds(), self.shown()), (None, [], False))
         with self.area():
             bpy.ops.ed.redo()
         yield from self.until(self.shown)  # made anew, and the window goes on
@@ -154,7 +154,7 @@ class Slow(WindowCase):
         with self.area():
             bpy.ops.object.rumple_add(method="MESH")
         self.assertGreater(self.count(self.obj), len(self.obj.data.vertices))
-        self.assertEqual(scheduler.awaited(), [])
+        self.assertEqual(scheduler.running_builds(), [])
 
     def test_a_first_click_that_cannot_be_made_is_said(self) -> Iterator[float]:
         for error, said in ((UserError("Sleeve: no"), "^Sleeve: no$"), (MemoryError(), "^Sleeve: there is not enough")):
@@ -216,7 +216,7 @@ class Slow(WindowCase):
         former = runtimes.of(self.obj).building
         self.obj.rumple.mesh.level = 0
         yield 0.5
-        self.assertNotIn(former, scheduler.awaited())
+        self.assertNotIn(former, scheduler.running_builds())
         self.go.set()
         yield from self.until(lambda: self.count(self.obj) < self.before)
         self.assertLess(self.count(self.obj), self.before)
@@ -250,5 +250,5 @@ class Slow(WindowCase):
         yield 0.5
         self.go.set()
         yield 0.5
-        self.assertEqual(scheduler.awaited(), [])
+        self.assertEqual(scheduler.running_builds(), [])
         self.assertEqual(evaluator.cancel(None, runtimes.Runtime()), "")

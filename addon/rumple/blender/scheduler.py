@@ -24,7 +24,7 @@ JOB = 1.0  # seconds after the last frame of an export until its job counts as f
 DELAY = 0.25  # seconds without another change before a dragged slider or a brush stroke is rebuilt
 
 
-class Awaited(Protocol):
+class Build(Protocol):
     """A running thread that builds something for the object with this name."""
 
     name: str
@@ -42,11 +42,11 @@ _suspended = False
 _files = 0  # number of opened files
 _due: set[tuple[str, str | None]] = set()  # objects to tag: name and library, because undo keeps them
 _workers: tuple[Callable[[], None], ...] = ()
-_may_wait = False  # long work may be left to threads
-_awaited: list[Awaited] = []  # running threads
-_tell_waiting: Callable[[], None] = lambda: None
-_is_held: Callable[[], bool] = lambda: False  # whether the mouse button is down
-_may_be_held = False  # whether the requested work comes from a value or mesh that may still be dragged
+_thread_builds_allowed = False  # long work may be left to threads
+_builds: list[Build] = []  # running threads
+_report_progress: Callable[[], None] = lambda: None
+_is_mouse_held: Callable[[], bool] = lambda: False  # whether the mouse button is down
+_waits_for_mouse = False  # whether the requested work comes from a value or mesh that may still be dragged
 
 
 def set_workers(*workers: Callable[[], None]) -> None:
@@ -137,8 +137,8 @@ def may_prepare_frame() -> bool:
 def request(delay: float = 0.0, until_released: bool = True) -> None:
     """Do the structural work soon. Several requests are combined, after the last one. A delayed request also waits
     until the mouse is released."""
-    global _wanted, _may_be_held
-    _wanted, _may_be_held = True, delay > 0.0 and until_released
+    global _wanted, _waits_for_mouse
+    _wanted, _waits_for_mouse = True, delay > 0.0 and until_released
     if bpy.app.background or _render_running or not in_main_thread():
         return  # in background, and after a job, the next handler does it; after a render, its end
     timers = bpy.app.timers
@@ -158,52 +158,47 @@ def _on_timer() -> float | None:
     with LOCK:  # a render job that starts now waits for the end of this work
         if job_runs():
             return 0.5
-        if _may_be_held and _is_held():
+        if _waits_for_mouse and _is_mouse_held():
             return POLL
-        if not awaited():
-            _sync_and_wait()
-        if not _awaited:
+        if not running_builds():
+            with thread_builds_allowed():
+                sync_all()
+        if not _builds:
             return None
-    _tell_waiting()
+    _report_progress()
     return POLL
 
 
-def hurry() -> None:
-    """Called when the mouse is released: do the waiting work now."""
+def run_pending_now() -> None:
+    """Do the requested work now. Called when the mouse is released."""
     if bpy.app.timers.is_registered(_on_timer):
         bpy.app.timers.unregister(_on_timer)
         bpy.app.timers.register(_on_timer, first_interval=0.0)
 
 
-def ask_whether_held(function: Callable[[], bool]) -> None:
+def set_mouse_held_test(function: Callable[[], bool]) -> None:
     """Set the function that is called before a rebuild that depends on a dragged value or mesh. If the mouse is down,
     the rebuild is tried again every POLL seconds."""
-    global _is_held
-    _is_held = function
+    global _is_mouse_held
+    _is_mouse_held = function
 
 
 @contextmanager
-def waiting() -> Iterator[None]:
+def thread_builds_allowed() -> Iterator[None]:
     """Inside this context long work may be left to threads. The caller must let the timer do the rest."""
-    global _may_wait
-    former, _may_wait = _may_wait, not bpy.app.background
+    global _thread_builds_allowed
+    former, _thread_builds_allowed = _thread_builds_allowed, not bpy.app.background
     try:
         yield
     finally:
-        _may_wait = former
-
-
-def _sync_and_wait() -> None:
-    """Do all structural work, except what is left to threads."""
-    with waiting():
-        sync_all()
+        _thread_builds_allowed = former
 
 
 def sync_all() -> None:
     """Do all structural work now. Do not call it in handlers while a render or a window draws."""
     global _wanted
     _wanted = False
-    _awaited.clear()
+    _builds.clear()
     with LOCK:
         for worker in _workers:
             worker()
@@ -212,34 +207,34 @@ def sync_all() -> None:
 def work_is_due() -> bool:
     """Whether the timer has work to do. It waits for the end of running work."""
     with LOCK:
-        return _wanted or bool(_awaited)
+        return _wanted or bool(_builds)
 
 
-def may_wait() -> bool:
+def may_build_in_thread() -> bool:
     """Whether structural work may be postponed while a thread builds its input."""
-    return _may_wait
+    return _thread_builds_allowed
 
 
-def wait_for(work: Awaited) -> None:
+def add_build(build: Build) -> None:
     """Do the structural work again when this thread has finished."""
-    _awaited.append(work)
+    _builds.append(build)
 
 
-def awaited() -> list[Awaited]:
+def running_builds() -> list[Build]:
     """The threads that are still running."""
-    return [work for work in _awaited if work.is_running()]
+    return [build for build in _builds if build.is_running()]
 
 
-def drop(work: Awaited) -> None:
+def remove_build(build: Build) -> None:
     """Do not wait for this thread any more."""
-    if work in _awaited:
-        _awaited.remove(work)
+    if build in _builds:
+        _builds.remove(build)
 
 
-def tell_waiting(function: Callable[[], None]) -> None:
+def set_progress_callback(function: Callable[[], None]) -> None:
     """Set the function that is called every POLL seconds while threads are running."""
-    global _tell_waiting
-    _tell_waiting = function
+    global _report_progress
+    _report_progress = function
 
 
 # ---------------------------------------------------------------- panels
@@ -303,8 +298,8 @@ def _look() -> float:
 
 def stop() -> None:
     """Called by unregister()."""
-    for function in (_on_timer, _look, _redraw_panels, hurry):
+    for function in (_on_timer, _look, _redraw_panels, run_pending_now):
         if bpy.app.timers.is_registered(function):
             bpy.app.timers.unregister(function)
-    _awaited.clear()
+    _builds.clear()
     set_workers()

@@ -40,7 +40,7 @@ def sync_all() -> None:
         with messages.console_errors("frame range"):
             clip_range.follow(obj)
     for obj, nodes_mod in objects:
-        if runtimes.of(obj).stale and not is_awaited(obj, nodes_mod):
+        if runtimes.of(obj).stale and not build_in_thread(obj, nodes_mod):
             prepare(obj, nodes_mod)
     with messages.console_errors("what was removed"):
         _tidy_removed({obj.name_full for obj, _ in objects})
@@ -48,17 +48,17 @@ def sync_all() -> None:
         path_curves.sync([obj for obj, _ in modifier.wrinkled_objects()])
 
 
-def is_awaited(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier) -> bool:
-    """Whether a thread builds its fine mesh while the window shows the former one or the coarse mesh. False if waiting
-    is not allowed."""
-    if not scheduler.may_wait() or modifier.is_baked(nodes_mod) or mesh_reader.is_busy(obj):
+def build_in_thread(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier) -> bool:
+    """Let a thread build its fine mesh while the window shows the former one or the coarse mesh. Returns whether a
+    thread builds it: not if this is not allowed now."""
+    if not scheduler.may_build_in_thread() or modifier.is_baked(nodes_mod) or mesh_reader.is_busy(obj):
         return False
     try:
         building = evaluator.begin(obj, runtimes.of(obj))
     except Exception:  # prepare() reports this error
         return False
     if building is not None:
-        scheduler.wait_for(building)
+        scheduler.add_build(building)
     return building is not None
 
 

@@ -111,7 +111,7 @@ class Runtime(RuntimeBase):
         building, self.building = self.building, None
         if building is not None:
             building.drop()
-            scheduler.drop(building)
+            scheduler.remove_build(building)
 
     def end(self) -> None:
         self.stop_building()

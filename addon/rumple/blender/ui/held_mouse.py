@@ -46,8 +46,8 @@ class WM_OT_rumple_held_mouse(bpy.types.Operator):
 def _let_go() -> None:
     global _down_in
     _down_in = -1
-    if not bpy.app.timers.is_registered(scheduler.hurry):
-        bpy.app.timers.register(scheduler.hurry, first_interval=APPLIED)
+    if not bpy.app.timers.is_registered(scheduler.run_pending_now):
+        bpy.app.timers.register(scheduler.run_pending_now, first_interval=APPLIED)
 
 
 def _is_down() -> bool:
@@ -68,9 +68,9 @@ def register() -> None:
     global _down_in
     _down_in = -1
     _register()
-    scheduler.ask_whether_held(_is_down)
+    scheduler.set_mouse_held_test(_is_down)
 
 
 def unregister() -> None:
-    scheduler.ask_whether_held(lambda: False)
+    scheduler.set_mouse_held_test(lambda: False)
     _unregister()

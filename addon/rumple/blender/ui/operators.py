@@ -180,12 +180,12 @@ class OBJECT_OT_rumple_add(bpy.types.Operator):
         may_wait, self._may_wait = self._may_wait, False  # Adjust Last Operation executes it again
         if not may_wait or subdivision_behind.quality(obj):
             return False
-        with scheduler.waiting():
-            is_awaited = rebuild.is_awaited(obj, nodes_mod)
-        if is_awaited:
+        with scheduler.thread_builds_allowed():
+            in_thread = rebuild.build_in_thread(obj, nodes_mod)
+        if in_thread:
             runtimes.of(obj).just_added = True
             scheduler.request()
-        return is_awaited
+        return in_thread
 
     def _make(self, obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier) -> str:
         """Make the fine mesh. Returns a sentence about modifiers that were changed for it, or an empty text."""

@@ -31,13 +31,13 @@ class WM_OT_rumple_rebuild_wait(bpy.types.Operator):
         return {"RUNNING_MODAL"}
 
     def modal(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
-        works = scheduler.awaited()
-        if event.type == "ESC" and event.value == "PRESS" and works and not scheduler.job_runs():
+        builds = scheduler.running_builds()
+        if event.type == "ESC" and event.value == "PRESS" and builds and not scheduler.job_runs():
             self._end(context)
-            for work in works:
-                self._cancel(work)
+            for build in builds:
+                self._cancel(build)
             return {"FINISHED", "PASS_THROUGH"}  # Esc must also reach a dragged slider
-        if not works:
+        if not builds:
             self._end(context)
             return {"CANCELLED", "PASS_THROUGH"}
         if event.type == "TIMER":
@@ -48,11 +48,11 @@ class WM_OT_rumple_rebuild_wait(bpy.types.Operator):
         """Called when another file is opened, or the window is closed."""
         self._end(context)
 
-    def _cancel(self, work: scheduler.Awaited) -> None:
-        obj = bpy.data.objects.get(work.name)
+    def _cancel(self, build: scheduler.Build) -> None:
+        obj = bpy.data.objects.get(build.name)
         runtime = None if obj is None else runtimes.known(obj)
-        scheduler.drop(work)
-        if runtime is None or runtime.building is not work or modifier.find(obj) is None:
+        scheduler.remove_build(build)
+        if runtime is None or runtime.building is not build or modifier.find(obj) is None:
             return
         if runtime.just_added:
             remove(obj)
@@ -62,13 +62,13 @@ class WM_OT_rumple_rebuild_wait(bpy.types.Operator):
         self.report({"INFO"}, said(note))
 
     def _say(self, context: bpy.types.Context) -> None:
-        works = scheduler.awaited()
-        if not works:
+        builds = scheduler.running_builds()
+        if not builds:
             return
-        seconds = max(work.seconds for work in works)
+        seconds = max(build.seconds for build in builds)
         context.window_manager.progress_update(int(seconds))
         if context.workspace is not None:
-            names = ", ".join(work.name for work in works)
+            names = ", ".join(build.name for build in builds)
             context.workspace.status_text_set(said(f"Making the folds of {names}: {seconds:.0f} s. Esc stops it"))
 
     def _end(self, context: bpy.types.Context) -> None:
@@ -83,7 +83,7 @@ class WM_OT_rumple_rebuild_wait(bpy.types.Operator):
 def _tell() -> None:
     """Called by the timer of the structural work."""
     windows = bpy.context.window_manager.windows
-    is_long = any(work.seconds >= AFTER for work in scheduler.awaited())
+    is_long = any(build.seconds >= AFTER for build in scheduler.running_builds())
     if not is_long or _shown_in == scheduler.file_number() or not len(windows):
         return
     with bpy.context.temp_override(window=windows[0]):
@@ -97,9 +97,9 @@ def register() -> None:
     global _shown_in
     _shown_in = -1
     _register()
-    scheduler.tell_waiting(_tell)
+    scheduler.set_progress_callback(_tell)
 
 
 def unregister() -> None:
-    scheduler.tell_waiting(lambda: None)
+    scheduler.set_progress_callback(lambda: None)
     _unregister()
