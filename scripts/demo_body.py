@@ -51,12 +51,6 @@ BODY_TORSO = np.array([
 TORSO_EXPONENT = 2.35
 
 
-def smoothstep(x: Array) -> Array:
-    """Cubic step from 0 (x <= 0) to 1 (x >= 1)."""
-    t = np.clip(x, 0.0, 1.0)
-    return t * t * (3.0 - 2.0 * t)
-
-
 def smooth_interpolation(x: Array, knots: Array, values: Array) -> Array:
     """Cubic Hermite curve through the knots (central slopes), constant outside."""
     slopes = np.gradient(values, knots)

@@ -15,7 +15,8 @@ import numpy as np
 from mathutils import Quaternion, Vector
 
 import demo_body as body
-from demo_body import Array, smoothstep
+from demo_body import Array
+from interpolation import smoothstep
 
 MAX_INFLUENCES = 4
 # Metres: where the thigh begins in the middle of the body, how much lower that is for each metre to the back, over what

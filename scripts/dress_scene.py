@@ -5,12 +5,12 @@ of the docs. Metres, z up, the figure faces -y.
 from __future__ import annotations
 
 import bpy
-import demo_body
 import demo_rig
 import demo_scene
 import demo_shirt
 import numpy as np
 from demo_body import Array
+from interpolation import smoothstep
 
 ROWS, HEM, RINGS = 4, 0.50, 18  # of the shirt that are cut away; height of the hem, metres; rings of the skirt
 CHEST = 1.2  # metres: below are the shirt's hem and its cuffs
@@ -55,8 +55,8 @@ def _lowest_border(points: Array, quads: Array) -> Array:
 
 def skirt_weights(points: Array) -> dict[str, Array]:
     """As the shirt is skinned, and below the waist to hips and thighs. Weight of every bone, (n,) each."""
-    below = demo_body.smoothstep((1.0 - points[:, 2]) / 0.25)
-    left = demo_body.smoothstep(0.5 + points[:, 0] / 0.36)
+    below = smoothstep((1.0 - points[:, 2]) / 0.25)
+    left = smoothstep(0.5 + points[:, 0] / 0.36)
     leg = LEGS * np.clip((1.0 - points[:, 2]) / 0.35, 0.0, 1.0)
     weights = {name: weight * (1.0 - below) for name, weight in demo_rig.skin_weights(points).items()}
     for name, weight in (("hips", 1.0 - leg), ("thigh.L", leg * left), ("thigh.R", leg * (1.0 - left))):

@@ -13,6 +13,7 @@ import demo_body
 import demo_scene
 import numpy as np
 from demo_body import Array
+from interpolation import smoothstep
 
 SKIRT_AROUND, SKIRT_ALONG = 56, 16
 # Height, half width, half depth of the skirt, from the waistband to the hem.
@@ -76,7 +77,7 @@ def face_rig() -> bpy.types.Object:
 
 def face_weights(points: Array) -> dict[str, Array]:
     """Of every bone at the points; they sum to 1."""
-    front = demo_body.smoothstep((0.03 - points[:, 1]) / 0.06)
+    front = smoothstep((0.03 - points[:, 1]) / 0.06)
     weights = {}
     for name, (place, (across, up)) in FACE_BONES.items():
         way = (points[:, [0, 2]] - np.array(place)[[0, 2]]) / (across, up)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 from demo_rig import ArmPose, LegPose, Pose, knee_bend
+from interpolation import smoothstep
 
 HANGING = ArmPose(raise_side=-19, swing_front=8, twist=8, bend=22, pronate=5)
 FRAMES_PER_SECOND = 24.0
@@ -21,17 +22,11 @@ STRIDE = 2.1  # metres, of two steps
 RUN_SPEED, RUN_START = 3.0, 20.0  # metres a second; frames until that is reached
 
 
-def ease(x: float) -> float:
-    """Cubic step from 0 (x <= 0) to 1 (x >= 1)."""
-    x = min(max(x, 0.0), 1.0)
-    return x * x * (3.0 - 2.0 * x)
-
-
 def sit() -> list[Pose]:
     """Down on a seat, rest there, and up again; the feet stay where they are."""
     poses = []
     for frame in range(SIT_FRAMES[0], SIT_FRAMES[1] + 1, 2):
-        down = ease((frame - _DOWN[0]) / (_DOWN[1] - _DOWN[0])) - ease((frame - _UP[0]) / (_UP[1] - _UP[0]))
+        down = smoothstep((frame - _DOWN[0]) / (_DOWN[1] - _DOWN[0])) - smoothstep((frame - _UP[0]) / (_UP[1] - _UP[0]))
         bent = math.sin(math.pi * down)
         leg = LegPose(SEATED.thigh * down, 16.0 * bent + SEATED.back * down)
         arm = ArmPose(-19 + 3 * down, 8, 8 + 14 * down, 22 + 22 * down, 5 + 20 * down, 22 * down + 16 * bent)
@@ -70,13 +65,13 @@ def bend_elbow() -> list[Pose]:
 
 def run_speed(frame: float) -> float:
     """Share of RUN_SPEED."""
-    return ease((frame - 1.0) / RUN_START)
+    return smoothstep((frame - 1.0) / RUN_START)
 
 
 def run_distance(frame: float) -> float:
     """Metres of ground that have gone by."""
     started = min(frame - 1.0, RUN_START) / RUN_START
-    # The integral of ease() over the first frames, and full speed behind them.
+    # The integral of smoothstep() over the first frames, and full speed behind them.
     seconds = (RUN_START * (started**3 - 0.5 * started**4) + max(frame - 1.0 - RUN_START, 0.0)) / FRAMES_PER_SECOND
     return RUN_SPEED * seconds
 

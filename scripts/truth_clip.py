@@ -12,6 +12,7 @@ from dataclasses import dataclass
 
 import bpy
 import numpy as np
+from interpolation import smoothstep
 from mathutils import Matrix, Quaternion, Vector
 from mathutils.bvhtree import BVHTree
 
@@ -207,8 +208,7 @@ def sample(garment: bpy.types.Object, frames: range, levels: int, blend: int, se
     poses = Poses(armature, frames[0])
     action, armature.animation_data.action = armature.animation_data.action, None
     for number in range(blend + settle):
-        share = min(1.0, number / blend)
-        poses.show(share * share * (3.0 - 2.0 * share))
+        poses.show(smoothstep(number / blend))
         for row, thing in zip(taken, things):
             row.append(evaluated_positions(thing))
     armature.animation_data.action = action

@@ -8,6 +8,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from interpolation import smoothstep
 
 HEM = 0.012  # metres: as far from a border the cloth lies double
 FALLOFF = {"collar": 0.10}  # metres along the cloth, from the border's strength to nothing; the yoke is held, too
@@ -146,8 +147,7 @@ def hold(rest: np.ndarray, triangles: np.ndarray, borders: list[Border]) -> Hold
         falloff = FALLOFF.get(border.kind, USUAL_FALLOFF)
         away = along_cloth(rest, triangles, border.vertices, falloff)
         hems[away <= HEM] = 1.0
-        far = np.minimum(away / falloff, 1.0)
-        pins = np.maximum(pins, border.strength * (1.0 - far * far * (3.0 - 2.0 * far)))
+        pins = np.maximum(pins, border.strength * (1.0 - smoothstep(away / falloff)))
     if borders:
         pins[closed(rest, triangles, borders)] = 1.0
     return Hold(pins.astype(np.float32), hems)

@@ -5,8 +5,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..base.interpolation import smoothstep
 from ..base.vertices import nearest_of, sample_of
-from ..paint.paint_maps import smoothstep
 
 FADE = 0.07  # distance / the garment's diagonal over which the hold fades out, as for a cuff (native/.../pins.cpp)
 MOST = 500  # how many tucked vertices the distances are measured from

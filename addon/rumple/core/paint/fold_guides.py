@@ -14,10 +14,10 @@ from typing import Any
 
 import numpy as np
 
+from ..base.interpolation import smoothstep
 from ..base.transforms import length, principal_axes
 from ..base.triangles import cross, unit
 from ..base.vertices import nearest_of
-from .paint_maps import smoothstep
 
 GUIDES = "guides"  # the paint
 ALONG = "along"  # paint made from directions: (n, 3) of the base's vertices, length 0..1; v and -v mean the same

@@ -5,8 +5,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..base.interpolation import smoothstep
 from ..settings.cloth_settings import ClothSettings
-from .paint_maps import smoothstep
 
 FREE = "free"  # the paint: 1 where cloth hangs free, 0 where it lies on the body
 NEAR, AWAY = 0.05, 0.13  # metres from an adult's body: up to NEAR cloth lies on it; from AWAY on it hangs free

@@ -7,6 +7,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..base.interpolation import smoothstep
+
 CHANGED = 1e-6  # a smaller difference of weights is a rounding error
 _SEAM = 1e-5  # distance / size of the mesh: closer vertices of open edges count as one, as in the weld of the wrinkles
 LUMINANCE = np.array((0.2126, 0.7152, 0.0722), np.float32)  # Rec. 709
@@ -79,12 +81,6 @@ def border_distance(positions: np.ndarray, edges: np.ndarray, border: np.ndarray
         moving = np.flatnonzero((best < distance * (1.0 - 1e-9)) & (best <= most))
         distance[moving], nearest[moving] = best[moving], by[moving]
     return distance.astype(np.float32)
-
-
-def smoothstep(share: np.ndarray) -> np.ndarray:
-    """3 t^2 - 2 t^3, with t clamped to 0..1: flat at both ends."""
-    share = np.clip(share, 0.0, 1.0)
-    return share * share * (3.0 - 2.0 * share)
 
 
 def gradient(distance: np.ndarray, most: float, smooth: bool) -> np.ndarray:
