@@ -11,7 +11,7 @@ import numpy as np
 from rumple.blender import handlers, scheduler
 from rumple.blender.frame import clip_status, path_curves, rebuild, solve
 from rumple.blender.objects import bodies, changes, evaluator, modifier, runtimes
-from rumple.core.frame.engine import UserError
+from rumple.core.base.wording import UserError
 from support import sleeve
 
 

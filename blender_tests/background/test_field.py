@@ -13,7 +13,7 @@ from rumple.blender import compat, scheduler
 from rumple.blender.nodes import field_profile, field_shader
 from rumple.blender.objects import changes, mesh_reader, modifier, runtimes
 from rumple.blender.ui import wave_materials
-from rumple.core.frame.engine import UserError
+from rumple.core.base.wording import UserError
 from rumple.core.systems.wrinkle_field import PHASE, U_GRADIENT, VECTORS, WEIGHT, WrinkleField
 from support import sleeve, wave_shader_cases
 from support.one_blender import long_one

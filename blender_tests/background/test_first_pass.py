@@ -13,7 +13,7 @@ from rumple.blender import compat, handlers
 from rumple.blender.frame import first_pass, solve
 from rumple.blender.nodes.output_flags import Flag, change_flag, is_set
 from rumple.blender.objects import modifier, runtimes
-from rumple.core.frame.engine import UserError
+from rumple.core.base.wording import UserError
 from support import sleeve
 
 

@@ -16,7 +16,7 @@ import bpy
 import numpy as np
 from rumple.blender.maps import bake, bake_apart, export as maps_export
 from rumple.blender.objects import modifier
-from rumple.core.frame.engine import UserError
+from rumple.core.base.wording import UserError
 from rumple.core.systems import poses_json
 from support import face, maps_renders
 

@@ -8,7 +8,7 @@ from typing import Any
 import bpy
 import numpy as np
 from rumple.blender.nodes import maps_shader
-from rumple.core.frame.engine import UserError
+from rumple.core.base.wording import UserError
 from support import maps_renders
 
 

@@ -17,7 +17,7 @@ from unittest import mock
 
 from mathutils import Matrix
 from rumple.blender.viewport import glsl, gpu_arrays, preview, preview_field, preview_paths, studio_light
-from rumple.core.frame.engine import UserError
+from rumple.core.base.wording import UserError
 from support import sleeve
 
 SHADERS = Path(__file__).resolve().parents[2] / "shaders" / "preview"

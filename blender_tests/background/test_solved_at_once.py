@@ -13,8 +13,8 @@ import numpy as np
 from rumple.blender.frame import garment_frame
 from rumple.blender.objects import bodies, modifier, runtimes
 from rumple.core.base import at_once
+from rumple.core.base.wording import UserError
 from rumple.core.frame import engine
-from rumple.core.frame.engine import UserError
 from support import sleeve
 from support.cloth_scenes import hang
 

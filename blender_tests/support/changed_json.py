@@ -6,7 +6,7 @@ import json
 import unittest
 from typing import Any, Iterable
 
-from rumple.core.frame.engine import UserError
+from rumple.core.base.wording import UserError
 from rumple.core.systems import poses_json
 
 

@@ -11,7 +11,7 @@ import numpy as np
 from rumple.blender import scheduler
 from rumple.blender.objects import evaluator, modifier, runtimes
 from rumple.blender.ui import rebuild_progress
-from rumple.core.frame.engine import UserError
+from rumple.core.base.wording import UserError
 from rumple.core.systems.all_systems import SYSTEMS
 from rumple.core.systems.wrinkle_mesh import WrinkleMesh
 from support import sleeve

@@ -10,7 +10,8 @@ from unittest import mock
 import numpy as np
 from rumple.core.base import at_once
 from rumple.core.base.at_once import call_at_once
-from rumple.core.frame.engine import FrameResult, UserError, Wrinkles
+from rumple.core.base.wording import UserError
+from rumple.core.frame.engine import FrameResult, Wrinkles
 from rumple.core.frame.frame_input import FrameRequest
 from rumple.core.settings.system_settings import FieldSettings, MeshSettings, PathsSettings
 from rumple.core.systems.all_systems import SYSTEMS

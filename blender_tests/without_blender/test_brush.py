@@ -6,7 +6,7 @@ import math
 import unittest
 
 import numpy as np
-from rumple.core.frame.engine import UserError
+from rumple.core.base.wording import UserError
 from rumple.core.mesh.base_mesh import BaseMesh
 from rumple.core.settings.system_settings import FieldSettings
 from rumple.core.systems.brush import LEAST_SPACING, Easel, Hand

@@ -8,8 +8,8 @@ from typing import Any
 from unittest import mock
 
 import numpy as np
+from rumple.core.base.wording import UserError
 from rumple.core.frame import frame_cache
-from rumple.core.frame.engine import UserError
 from rumple.core.frame.frame_cache import CachedFrame, FrameCache
 from rumple.core.mesh.base_mesh import BaseMesh
 from rumple.core.mesh.body import Body

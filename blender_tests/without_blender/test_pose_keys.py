@@ -6,7 +6,7 @@ import json
 import unittest
 
 import numpy as np
-from rumple.core.frame.engine import UserError
+from rumple.core.base.wording import UserError
 from rumple.core.systems import poses_json
 from rumple.core.systems.poses import PoseComparison, PoseRig, ReferencePose, SkinWeights, TrackedBone, TrackedKey
 from rumple.core.systems.shape_keys import STILL, weights_of_key, with_keys

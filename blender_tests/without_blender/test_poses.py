@@ -7,7 +7,7 @@ import unittest
 from dataclasses import replace
 
 import numpy as np
-from rumple.core.frame.engine import UserError
+from rumple.core.base.wording import UserError
 from rumple.core.systems import poses, poses_json
 from rumple.core.systems.poses import PoseComparison, PoseRig, ReferencePose, SkinWeights, TrackedBone
 from support import changed_json

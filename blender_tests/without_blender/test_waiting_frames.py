@@ -8,8 +8,8 @@ from unittest import mock
 from typing import Any
 
 import numpy as np
+from rumple.core.base.wording import UserError
 from rumple.core.frame import frame_cache
-from rumple.core.frame.engine import UserError
 from rumple.core.mesh.body import Body
 from rumple.core.mesh.frame_result import FrameResult, PreviewFrame
 from rumple.core.settings.system_settings import FieldSettings

@@ -11,10 +11,10 @@ from typing import Iterator
 
 import bpy
 
+from ...core.base.wording import UserError
 from ...core.files import clip_file, clip_folder
 from ...core.files.clip_lock import Held, Lock
 from ...core.files.clip_manifest import ClipFault, Manifest
-from ...core.frame.engine import UserError
 from ...core.mesh.frame_result import Attribute, FrameResult
 from .. import compat, scheduler
 from ..frame import clip_status, path_curves

@@ -8,6 +8,7 @@ from typing import Iterator
 import bpy
 import numpy as np
 
+from ...core.base.wording import UserError
 from ...core.frame import engine
 from .. import compat, scheduler
 from ..frame import clip_status, first_pass
@@ -124,7 +125,7 @@ class Playback:
             return
         try:
             runtime.evaluator.analyze_clip(clip, runtime.analyzed.settings, frame_rate=runtime.analyzed.frame_rate)
-        except engine.UserError as error:
+        except UserError as error:
             raise BakeError(str(error)) from error
         runtime.invalidate_output()  # the shown result was solved without the analysis
 

@@ -7,7 +7,7 @@ import numpy as np
 from mathutils import Vector
 from mathutils.bvhtree import BVHTree
 
-from ...core.frame.engine import UserError
+from ...core.base.wording import UserError
 from ...core.systems.brush import Easel
 from ...core.systems.wrinkle_field import WrinkleField
 from .. import compat

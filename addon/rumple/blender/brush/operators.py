@@ -13,7 +13,7 @@ import bpy
 import numpy as np
 from bpy.app.handlers import persistent
 
-from ...core.frame.engine import UserError
+from ...core.base.wording import UserError
 from ...core.systems.brush import DEFAULT_LENGTH, LONGEST
 from .. import compat, scheduler, ui_base
 from ..objects import messages, modifier, shared_mesh

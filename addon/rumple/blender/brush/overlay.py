@@ -10,7 +10,7 @@ import bpy
 import numpy as np
 from mathutils import Matrix
 
-from ...core.frame.engine import UserError
+from ...core.base.wording import UserError
 from .. import compat
 from ..viewport.draw_handler import DrawHandler
 from . import canvas as brush_canvas

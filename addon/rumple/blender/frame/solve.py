@@ -11,6 +11,7 @@ from __future__ import annotations
 import bpy
 import numpy as np
 
+from ...core.base.wording import UserError
 from ...core.frame import engine
 from .. import compat, scheduler
 from ..nodes.output_flags import Flag, set_flag
@@ -344,10 +345,10 @@ def _follow_topology(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier, 
               or (changer is None and not incoming_mesh.is_own(obj))
               or runtime.stack != incoming_mesh.stack_fingerprint(obj))
     if changer is not None and not edited and arriving != own and (in_render or runtime.tried == arriving):
-        raise engine.UserError(f"{obj.name}: the modifier \"{changer.name}\", or another above {nodes_mod.name}, "
-                               f"makes another number of vertices here than at rest in the viewport ({own}), so there "
-                               "are no wrinkles here: set the same for viewport and renders; where the number changes "
-                               f"within the clip, apply it, or move it below {nodes_mod.name}")
+        raise UserError(f"{obj.name}: the modifier \"{changer.name}\", or another above {nodes_mod.name}, "
+                        f"makes another number of vertices here than at rest in the viewport ({own}), so there "
+                        "are no wrinkles here: set the same for viewport and renders; where the number changes "
+                        f"within the clip, apply it, or move it below {nodes_mod.name}")
     if edited or (changer is not None and arriving != own):  # otherwise this frame was just evaluated
         runtime.stale, runtime.tried = True, arriving
         scheduler.request()

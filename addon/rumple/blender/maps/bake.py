@@ -16,7 +16,7 @@ import bpy
 import numpy as np
 from mathutils import Matrix
 
-from ...core.frame.engine import UserError
+from ...core.base.wording import UserError
 from ...core.settings.presets import SKIN_OF_MAPS
 from .. import compat, scheduler
 from ..frame import rebuild

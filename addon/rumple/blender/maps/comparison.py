@@ -7,7 +7,7 @@ import hashlib
 import bpy
 import numpy as np
 
-from ...core.frame.engine import UserError
+from ...core.base.wording import UserError
 from ...core.systems.poses import PoseComparison, PoseRig, SkinWeights
 from ...native import NativeMissing
 from ..objects import modifier

@@ -12,8 +12,8 @@ from typing import Any
 
 import bpy
 
+from ...core.base.wording import UserError
 from ...core.files import clip_folder
-from ...core.frame.engine import UserError
 from ...core.systems.poses import PoseComparison, PoseRig, SkinWeights
 from ...core.systems.poses_json import from_json
 from ..nodes import maps_mask_tree, maps_shader

@@ -13,7 +13,7 @@ from typing import Callable
 import bpy
 
 from ... import native
-from ...core.frame.engine import UserError
+from ...core.base.wording import UserError
 from .. import compat, scheduler
 from ..frame import rebuild as frame_rebuild
 from ..nodes import maps_shader

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import bpy
 
-from ...core.frame.engine import UserError
+from ...core.base.wording import UserError
 from ...core.systems.poses import MOST_POSES, PoseComparison
 from ..translation import said
 from . import changes as maps_changes, keys as maps_keys, rig as maps_rig, stored_poses

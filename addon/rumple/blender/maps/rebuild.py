@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import bpy
 
-from ...core.frame.engine import UserError
+from ...core.base.wording import UserError
 from ...core.systems.poses import strengths
 from .. import compat
 from ..frame import rebuild as frame_rebuild

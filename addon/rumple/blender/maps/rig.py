@@ -8,7 +8,7 @@ import bpy
 import numpy as np
 
 from ...core.base import transforms
-from ...core.frame.engine import UserError
+from ...core.base.wording import UserError
 from ...core.systems import poses
 from ...core.systems.poses import PoseRig, ReferencePose, SkinWeights, TrackedBone, TrackedKey
 from ...core.systems.shape_keys import with_keys

@@ -11,7 +11,7 @@ import hashlib
 import bpy
 import numpy as np
 
-from ...core.frame import engine
+from ...core.base.wording import UserError
 from ...core.systems import wrinkle_field
 from ...native import kernels
 from .. import compat
@@ -48,10 +48,10 @@ def node(obj: bpy.types.Object) -> bpy.types.Node | None:
 
 
 def heights(obj: bpy.types.Object) -> np.ndarray:
-    """The drawn heights, -1 (valley) to 1 (crest), for the kernel. Raises engine.UserError."""
+    """The drawn heights, -1 (valley) to 1 (crest), for the kernel. Raises UserError."""
     curve = node(obj)
     if curve is None:
-        raise engine.UserError(f"{obj.name}: its profile curve is gone: choose another profile and Curve again")
+        raise UserError(f"{obj.name}: its profile curve is gone: choose another profile and Curve again")
     mapping = curve.mapping
     mapping.initialize()
     places = np.linspace(0.0, 1.0, kernels.PROFILE_INTERVALS + 1)

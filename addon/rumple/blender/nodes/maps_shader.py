@@ -12,7 +12,7 @@ from typing import Iterator, Sequence
 
 import bpy
 
-from ...core.frame.engine import UserError
+from ...core.base.wording import UserError
 from ...core.systems.poses import PACKED
 from .. import compat
 from . import builder

@@ -14,7 +14,7 @@ import bpy
 import numpy as np
 
 from ...core.base import transforms
-from ...core.frame import engine
+from ...core.base.wording import UserError
 from ...core.mesh.body import Body, digest_of_triangles, is_nearly_closed, joined_rest, side
 from .. import compat
 from ..nodes import path_curves_tree
@@ -189,16 +189,16 @@ def are_busy(obj: bpy.types.Object) -> bool:
 
 def read(obj: bpy.types.Object, evaluated: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> Body | None:
     """The bodies of a garment in a depsgraph; None if it has none. Bodies without faces are left out, with a message
-    about the first of them. Raises engine.UserError."""
+    about the first of them. Raises UserError."""
     found, refused = of(obj), refusal(obj)
     if refused:
-        raise engine.UserError(refused)
+        raise UserError(refused)
     if not found:
         messages.note_left_out(runtimes.of(obj), "")
         return None
     if not modifier.can_name_bodies(modifier.find(obj)):
-        raise engine.UserError(f"{obj.name}: its node group is linked from a file of an older Rumple: open that file "
-                               "and save it, or take the body away")
+        raise UserError(f"{obj.name}: its node group is linked from a file of an older Rumple: open that file "
+                        "and save it, or take the body away")
     read_now = [(body, _surface(obj, evaluated, body, depsgraph)) for body in found]
     surfaces = [surface for _, surface in read_now if surface is not None]
     empty = next((body for body, surface in read_now
@@ -218,15 +218,15 @@ def read(obj: bpy.types.Object, evaluated: bpy.types.Object, depsgraph: bpy.type
 
 def _surface(obj: bpy.types.Object, evaluated: bpy.types.Object, body: bpy.types.Object,
              depsgraph: bpy.types.Depsgraph) -> Body | None:
-    """One body in the object space of the garment; None if it has no faces. Raises engine.UserError."""
+    """One body in the object space of the garment; None if it has no faces. Raises UserError."""
     worn = body.evaluated_get(depsgraph)
     surface = _folded(body, units.frame_of(depsgraph.scene)) or _plain(body, worn, depsgraph)
     if surface is None:
         return None
     if not np.isfinite(surface.positions).all():
         first = int(np.isfinite(surface.positions).all(axis=1).argmin())
-        raise engine.UserError(f"{obj.name}: vertex {first} of its body {body.name} has no valid position in this "
-                               "frame: repair it, or choose another one")
+        raise UserError(f"{obj.name}: vertex {first} of its body {body.name} has no valid position in this "
+                        "frame: repair it, or choose another one")
     if worn.matrix_world == evaluated.matrix_world:
         return surface
     into = evaluated.matrix_world.inverted_safe() @ worn.matrix_world
@@ -252,7 +252,7 @@ def _folded(body: bpy.types.Object, frame: float) -> Body | None:
 
 def _plain(body: bpy.types.Object, worn: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> Body | None:
     """A body as Blender shows it; of a garment that is not baked, the surface without folds. None if it has no faces.
-    Raises engine.UserError."""
+    Raises UserError."""
     if body.type != "MESH":
         return _converted(body, worn, depsgraph.mode)
     mesh, positions, nodes_mod = worn.data, None, modifier.find(body)

@@ -10,6 +10,7 @@ from typing import Any, Callable
 import bpy
 import numpy as np
 
+from ...core.base.wording import UserError
 from ...core.files.checkpoint import carry_frames
 from ...core.frame import engine
 from ...core.settings.system_settings import FieldSettings, MeshSettings
@@ -35,7 +36,7 @@ class Sources:
 
 
 def sources(obj: bpy.types.Object) -> Sources:
-    """Read the sources from the object in its current state. Raises engine.UserError."""
+    """Read the sources from the object in its current state. Raises UserError."""
     scene = units.scene_of(obj)
     settings = properties.settings_of(obj, scene)
     _refuse_without_faces(obj)
@@ -58,14 +59,14 @@ def _scale_rest(scale: float, *meshes: engine.BaseMesh | None) -> None:
 
 
 def _refuse_without_faces(obj: bpy.types.Object) -> None:
-    """Raise engine.UserError if modifiers leave no faces. The library refuses other meshes without faces."""
+    """Raise UserError if modifiers leave no faces. The library refuses other meshes without faces."""
     if len(incoming_mesh.of(obj).polygons) or not len(obj.data.polygons):
         return
     front = [m for m in modifier.in_front(obj) if modifier.changes_topology(m)]
     nodes = [m for m in front if m.type == "NODES"]
     if nodes:
-        raise engine.UserError(f"{obj.name}: the modifier \"{nodes[-1].name}\" above the wrinkles leaves no faces: add "
-                               "Realize Instances at the end of its nodes")
+        raise UserError(f"{obj.name}: the modifier \"{nodes[-1].name}\" above the wrinkles leaves no faces: add "
+                        "Realize Instances at the end of its nodes")
 
 
 def ensure(obj: bpy.types.Object, runtime: Runtime, meanwhile: Callable[[], object] | None = None) -> None:
@@ -82,7 +83,7 @@ def ensure(obj: bpy.types.Object, runtime: Runtime, meanwhile: Callable[[], obje
     if runtime.evaluator is not None and runtime.shape == wanted:
         return
     if runtime.refused == _refusable(obj, wanted):
-        raise engine.UserError(runtime.refusal)
+        raise UserError(runtime.refusal)
     try:
         if begun is not None and begun.wanted == wanted:
             fine = begun.result()
@@ -139,7 +140,7 @@ def _rounded(unit_scale: float) -> str:
 
 def begin(obj: bpy.types.Object, runtime: Runtime) -> Building | None:
     """Begin to build in a thread what ensure() needs. Returns None if there is nothing to wait for: it is ready, or
-    was built within PATIENCE. Raises engine.UserError."""
+    was built within PATIENCE. Raises UserError."""
     now = sources(obj)
     wanted = _wanted(obj, now)
     if wanted == runtime.shape or _refusable(obj, wanted) == runtime.refused:
@@ -210,8 +211,8 @@ def _builder(obj: bpy.types.Object, now: Sources) -> Callable[[], engine.Wrinkle
 def _checked(obj: bpy.types.Object, fine: engine.Wrinkles) -> engine.Wrinkles:
     coarse = fine.coarse_count
     if fine.vertex_count < coarse:  # the result could not carry the coarse positions
-        raise engine.UserError(f"{obj.name}: the fine mesh has {fine.vertex_count} vertices, fewer than the coarse one "
-                               f"({coarse}): choose a denser one")
+        raise UserError(f"{obj.name}: the fine mesh has {fine.vertex_count} vertices, fewer than the coarse one "
+                        f"({coarse}): choose a denser one")
     subdivision_behind.refuse_costly(obj, fine)
     return fine
 
@@ -221,7 +222,7 @@ def _own_mesh(obj: bpy.types.Object, settings: Any) -> engine.BaseMesh | None:
         return None
     own = obj.rumple.own_mesh
     if own is None or own.type != "MESH":
-        raise engine.UserError(f"{obj.name}: choose your own fine mesh first")
+        raise UserError(f"{obj.name}: choose your own fine mesh first")
     return mesh_reader.own_mesh(obj, own)
 
 

@@ -13,7 +13,7 @@ import numpy as np
 from mathutils.geometry import interpolate_bezier
 
 from ...core.base import transforms
-from ...core.frame.engine import UserError
+from ...core.base.wording import UserError
 from ...core.paint.fold_guides import DIRECTION, KINDS, PUCKER, Guide
 from .. import compat
 from . import incoming_mesh, modifier, runtimes, units

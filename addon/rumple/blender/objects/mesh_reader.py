@@ -9,6 +9,7 @@ import bpy
 import numpy as np
 
 from ...core.base import transforms
+from ...core.base.wording import UserError
 from ...core.cloth.draped_cloth import PAINTED
 from ...core.frame import engine
 from ...core.paint.fold_guides import DIRECTION, GUIDES, KIND
@@ -55,7 +56,7 @@ def is_busy(obj: bpy.types.Object) -> bool:
 
 
 def base_mesh(obj: bpy.types.Object, rest_shape: str, rest_key: str) -> engine.BaseMesh:
-    """The coarse mesh of an object at rest. Raises engine.UserError with a message for the panel."""
+    """The coarse mesh of an object at rest. Raises UserError with a message for the panel."""
     mesh = incoming_mesh.of(obj)
     mesh.calc_loop_triangles()
     base = _flat_mesh(obj.name, mesh, rest_positions(obj, rest_shape, rest_key))
@@ -127,12 +128,12 @@ def rest_positions(obj: bpy.types.Object, rest_shape: str, rest_key: str) -> np.
     if rest_shape == "FRAME":
         attribute = mesh.attributes.get(wrinkle_tree.REST_POSITION)
         if attribute is None:
-            raise engine.UserError(f"{obj.name}: no rest shape is captured yet: press Capture")
+            raise UserError(f"{obj.name}: no rest shape is captured yet: press Capture")
         return compat.read_attribute(attribute)
     if rest_shape == "SHAPE_KEY":
         blocks = obj.data.shape_keys.key_blocks if obj.data.shape_keys else {}
         if rest_key not in blocks:
-            raise engine.UserError(f"{obj.name}: it has no shape key named \"{rest_key}\" to rest at: choose another")
+            raise UserError(f"{obj.name}: it has no shape key named \"{rest_key}\" to rest at: choose another")
         if incoming_mesh.is_own(obj):
             return key_positions(blocks[rest_key])
     return basis_positions(mesh)  # the incoming mesh was made from this shape key

@@ -9,7 +9,7 @@ from typing import Callable, Iterator
 
 import bpy
 
-from ...core.frame.engine import UserError
+from ...core.base.wording import UserError
 from ...native import NativeMissing
 from .. import scheduler
 

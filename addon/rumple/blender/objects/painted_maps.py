@@ -8,7 +8,7 @@ from typing import Any
 import bpy
 import numpy as np
 
-from ...core.frame.engine import UserError
+from ...core.base.wording import UserError
 from ...core.paint import paint_maps
 from ...core.paint.hangs_free import FREE
 from ...core.paint.keep_smooth import SMOOTH

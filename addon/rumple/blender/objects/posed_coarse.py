@@ -14,7 +14,7 @@ from typing import Iterator
 import bpy
 import numpy as np
 
-from ...core.frame.engine import UserError
+from ...core.base.wording import UserError
 from .. import compat
 from . import mesh_reader, modifier
 

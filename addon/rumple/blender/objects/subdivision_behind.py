@@ -9,7 +9,7 @@ from typing import Any, Callable
 import bpy
 import numpy as np
 
-from ...core.frame.engine import UserError
+from ...core.base.wording import UserError
 from . import modifier
 
 MEGABYTES = 0.028  # per triangle and step of Quality: measured in 3.4, 5,632 triangles, Quality 1 to 4
@@ -18,7 +18,7 @@ MANY = 1_000_000  # number of vertices in a render
 
 
 def refuse_costly(obj: bpy.types.Object, fine: Any) -> None:
-    """Raises engine.UserError if Blender could crash from lack of memory. The result depends on quality() too. fine:
+    """Raises UserError if Blender could crash from lack of memory. The result depends on quality() too. fine:
     the engine.Wrinkles to show."""
     name, needed = _need(obj, fine)
     if needed > MOST:

@@ -12,9 +12,9 @@ from mathutils.bvhtree import BVHTree
 from ...core.base import transforms
 from ...core.base.triangles import vertex_normals
 from ...core.base.vertices import places
+from ...core.base.wording import UserError
 from ...core.cloth import tucked
 from ...core.cloth.base_cloth import size_factor, suggested_follow
-from ...core.frame.engine import UserError
 from ...core.mesh.base_mesh import BaseMesh
 from ...core.mesh.connected import borders
 from ...core.parts.cloth_surface import without_rigid_parts

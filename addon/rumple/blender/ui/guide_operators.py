@@ -7,7 +7,7 @@ import numpy as np
 from mathutils import Vector
 from mathutils.bvhtree import BVHTree
 
-from ...core.frame.engine import UserError
+from ...core.base.wording import UserError
 from ..objects import guide_curves, incoming_mesh, mesh_reader, properties, rig_scale, units
 from ..translation import said
 from ..ui_base import OnWrinkled

@@ -11,7 +11,7 @@ from __future__ import annotations
 import bpy
 import numpy as np
 
-from ...core.frame.engine import UserError
+from ...core.base.wording import UserError
 from ...core.paint import paint_maps
 from .. import compat, ui_base
 from ..objects import mesh_reader, painted_maps, properties, shared_mesh, units

@@ -12,7 +12,7 @@ from typing import Any, Callable
 import gpu
 import numpy as np
 
-from ...core.frame.engine import UserError
+from ...core.base.wording import UserError
 from . import glsl
 
 _WIDTH = 1024  # texels in a row of an array; any number works

@@ -21,7 +21,7 @@ import gpu
 import numpy as np
 from mathutils import Matrix
 
-from ...core.frame.engine import UserError
+from ...core.base.wording import UserError
 from .. import compat, scheduler
 from ..objects import bodies, incoming_mesh, messages, modifier, runtimes, viewport_mesh, weight_paint
 from . import gpu_arrays, preview_field, preview_paths, studio_light

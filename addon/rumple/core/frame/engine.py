@@ -13,8 +13,8 @@ import numpy as np
 
 from ...native import kernels
 from ...native.surface import Model
-from ..base import wording
 from ..base.digests import digest_of_paint, digest_of_settings
+from ..base.wording import user_error
 from ..cloth.base_cloth import ClothFrame, ClothInput, suggested_follow
 from ..cloth.draped_cloth import PAINTED, DrapedCloth
 from ..cloth.on_cloth import OnCloth, OnClothReport, State, cloth_of, system_state
@@ -34,7 +34,6 @@ from .frame_input import FrameInput, FrameRequest
 from .system_steps import Pose, SystemSteps
 
 MOST_VERTICES = 4_000_000
-UserError = wording.UserError  # for modules that import only the engine
 TABLES = (PROFILE := "profile", GUIDES)  # paint that is a table, not a value for each vertex
 
 
@@ -94,7 +93,7 @@ class Wrinkles(SystemSteps):
             yield
         except ValueError as error:
             self.frame_cache.refuse(frame)
-            raise wording.user_error(self.name, error) from error
+            raise user_error(self.name, error) from error
 
     def _finish(self, found: FoundFrame) -> FrameResult | PreviewFrame:
         request, began = found.request, time.perf_counter()
@@ -323,7 +322,7 @@ class Wrinkles(SystemSteps):
         try:
             self._clip_labels = ClipLabels.of(self.model, self._native_settings(settings), clip, frame_rate)
         except ValueError as error:
-            raise wording.user_error(self.name, error) from error
+            raise user_error(self.name, error) from error
 
     @property
     def pose_mismatches(self) -> set[float]:
