@@ -95,7 +95,7 @@ def steps() -> Iterator[float]:
         yield 3.0
         for turn in ("solved", "stored"):
             update, draw = play()
-            drawn = sum(runtimes.of(obj).inputs.uses_proxy for obj in garments if wrinkles)
+            drawn = sum(runtimes.of(obj).inputs.for_preview for obj in garments if wrinkles)
             print(f"{name:12} {turn:7} update {update:7.1f}  draw {draw:7.1f}  left to the graphics card: {drawn}")
 
 

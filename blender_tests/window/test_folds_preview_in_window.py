@@ -26,8 +26,8 @@ class FoldsCase(PreviewCase):
         """Waits until the viewport has the mesh that it should have."""
         self.area.tag_redraw()
         yield from self.until(lambda: self.runtime().inputs is not None
-                              and self.runtime().inputs.uses_proxy == uses_proxy)
-        self.assertEqual(self.runtime().inputs.uses_proxy, uses_proxy)
+                              and self.runtime().inputs.for_preview == uses_proxy)
+        self.assertEqual(self.runtime().inputs.for_preview, uses_proxy)
         yield 0.1
 
     def both(self) -> Iterator[float]:
@@ -126,7 +126,7 @@ class Pictures(FoldsCase):
         self.assertEqual(len(preview._on_gpu), 2)
         self.assertEqual([held.refusal for held in preview._on_gpu.values()], ["", ""])
         for obj, _ours in modifier.wrinkled_objects():
-            self.assertTrue(runtimes.of(obj).inputs.uses_proxy)
+            self.assertTrue(runtimes.of(obj).inputs.for_preview)
 
 
 class Meshes(FoldsCase):

@@ -37,11 +37,11 @@ class Waiting(PreviewCase):
         self.assertEqual((len(solved), len(written)), (1, 0))
         self.assertEqual(self.obj.rumple.message, "")
         self.area.spaces.active.shading.type = "WIREFRAME"
-        yield from self.until(lambda: not runtimes.of(self.obj).inputs.uses_proxy)
+        yield from self.until(lambda: not runtimes.of(self.obj).inputs.for_preview)
         self.assertEqual(len(solved), sleeve.LAST)
         self.assertTrue(sleeve.picture(self.obj).shows_the_same(expected[sleeve.LAST]))
         self.area.spaces.active.shading.type = "SOLID"
-        yield from self.until(lambda: runtimes.of(self.obj).inputs.uses_proxy)
+        yield from self.until(lambda: runtimes.of(self.obj).inputs.for_preview)
         for frame in (5, 12, 2):
             sleeve.at(frame)
             self.area.tag_redraw()
@@ -52,12 +52,12 @@ class Waiting(PreviewCase):
     def test_what_reads_the_mesh_has_its_attributes(self) -> Iterator[float]:
         """Nodes behind the waves, a base cloth, a body: every frame is written as without the preview."""
         yield from self.make()
-        self.assertTrue(runtimes.of(self.obj).inputs.uses_proxy)
+        self.assertTrue(runtimes.of(self.obj).inputs.for_preview)
         behind = self.obj.modifiers.new("Reads", "NODES")
-        yield from self.until(lambda: not runtimes.of(self.obj).inputs.uses_proxy)
+        yield from self.until(lambda: not runtimes.of(self.obj).inputs.for_preview)
         sleeve.at(4)
         self.assertTrue(sleeve.picture(self.obj).shows_the_same(self.in_renders()))
         behind.show_viewport = False
-        yield from self.until(lambda: runtimes.of(self.obj).inputs.uses_proxy)
+        yield from self.until(lambda: runtimes.of(self.obj).inputs.for_preview)
         self.obj.rumple.field.base_cloth = "HANG"
-        yield from self.until(lambda: not runtimes.of(self.obj).inputs.uses_proxy)
+        yield from self.until(lambda: not runtimes.of(self.obj).inputs.for_preview)

@@ -16,7 +16,6 @@ import numpy as np
 from ...core.base.at_once import call_at_once
 from ...core.frame import engine
 from ...core.frame.found_frame import FoundFrame
-from ...core.frame.frame_input import FrameRequest
 from .. import compat
 from ..objects import messages, output_mesh
 from ..objects.runtimes import Inputs, Runtime
@@ -35,7 +34,6 @@ class GarmentFrame:
     scene: bpy.types.Scene
     mode: str  # of the depsgraph
     clip_fault: str  # the error of its baked clip
-    first: int  # first frame of the clip
     found: FoundFrame
     _result: engine.FrameResult | engine.PreviewFrame | None = None
     _error: Exception | None = None
@@ -64,7 +62,7 @@ class GarmentFrame:
             runtime.solving = self.found.seconds + self._seconds
         runtime.inputs = inputs
         messages.set_frame_error(runtime, self.clip_fault)
-        unplayed = runtime.evaluator.unplayed_message(inputs.frame, self.first) if result.unplayed else ""
+        unplayed = runtime.evaluator.unplayed_message(inputs.frame, inputs.start) if result.unplayed else ""
         messages.note_unplayed(runtime, unplayed, self.mode == "RENDER")
         if not first_pass.is_shown(self.nodes_mod):
             runtime.result = result
@@ -75,13 +73,6 @@ class GarmentFrame:
         if written:
             runtime.written_at = compat.session_key(self.scene), inputs.frame
         return written
-
-
-def request_of(inputs: Inputs, first: int, for_preview: bool, in_viewport: bool) -> FrameRequest:
-    """The engine's request. first: first frame of the clip."""
-    return FrameRequest(inputs.frame, inputs.positions, inputs.settings, inputs.paint, first, inputs.world_from_object,
-                        inputs.frame_rate, for_preview=for_preview, body=inputs.body,
-                        surroundings=inputs.surroundings, in_viewport=in_viewport)
 
 
 def solve_all(frames: Sequence[GarmentFrame]) -> None:

@@ -8,6 +8,8 @@ not touch baked objects.
 """
 from __future__ import annotations
 
+from dataclasses import replace
+
 import bpy
 import numpy as np
 
@@ -22,7 +24,7 @@ from ..objects.runtimes import Inputs, Runtime
 from ..scheduler import LOCK
 from ..viewport import preview
 from . import clip_status, disk_frames, first_pass, garment_frame
-from .garment_frame import GarmentFrame, request_of
+from .garment_frame import GarmentFrame
 
 
 TWO_SCENES = "Two windows show this object in two scenes: both have the folds of the one that changed last"
@@ -197,10 +199,9 @@ def _read(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier, output_obj:
         messages.note_unplayed(runtime, TWO_SCENES, rendering=False)
         return None
     disk_frames.follow(obj, runtime)
-    first = units.first_frame(obj, scene)
     runtime.evaluator.settings_are_keyed = properties.are_keyed(obj)
-    found = runtime.evaluator.find_frame(request_of(inputs, first, inputs.uses_proxy, inputs.in_viewport))
-    return GarmentFrame(obj, nodes_mod, shown, runtime, inputs, scene, depsgraph.mode, clip_fault, first, found)
+    found = runtime.evaluator.find_frame(inputs)
+    return GarmentFrame(obj, nodes_mod, shown, runtime, inputs, scene, depsgraph.mode, clip_fault, found)
 
 
 def _gave_way(runtime: Runtime, inputs: Inputs, scene: bpy.types.Scene) -> bool:
@@ -246,22 +247,22 @@ def show_fine_meshes() -> None:
                 modifier.tag_soon([obj])
                 continue
             inputs = None if runtime is None else runtime.inputs
-            if output_obj is None or inputs is None or not (inputs.uses_proxy or inputs.in_viewport
+            if output_obj is None or inputs is None or not (inputs.for_preview or inputs.in_viewport
                                                             or inputs.shows_coarse
                                                             or not first_pass.is_shown(nodes_mod)):
                 continue
             try:
                 first = units.first_frame(obj, units.scene_of(obj))
-                result = runtime.evaluator.finish_frame(runtime.evaluator.find_frame(request_of(
-                    inputs, first, for_preview=False, in_viewport=False)))
+                result = runtime.evaluator.finish_frame(runtime.evaluator.find_frame(replace(
+                    inputs, start=first, for_preview=False, in_viewport=False)))
                 assert isinstance(result, engine.FrameResult)
                 output_mesh.write_result(output_obj.data, result, runtime.evaluator.ATTRIBUTES)
                 set_flag(output_obj, Flag.COARSE_ONLY, False)  # a running bake sets it again
-                if inputs.uses_proxy or inputs.shows_coarse:
+                if inputs.for_preview or inputs.shows_coarse:
                     output_mesh.write_proxy(output_obj.data, None)
             except Exception as error:  # the file is saved in any case
                 print(f"Rumple: {messages.unexpected(obj, error)}")
-            if inputs.uses_proxy or inputs.shows_coarse:
+            if inputs.for_preview or inputs.shows_coarse:
                 runtime.invalidate_output()
                 modifier.tag_soon([obj])
 
@@ -280,12 +281,11 @@ def _inputs(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier, runtime: 
     settings = properties.settings_of(known, units.scene_of(obj))
     world = np.array(evaluated.matrix_world.to_3x3(), np.float32)
     for_viewport = depsgraph.mode == "VIEWPORT"
-    uses_proxy = for_viewport and preview.uses_proxy(obj, nodes_mod)
-    return Inputs(units.frame_of(scene), settings, positions, world, paint,
-                  units.frame_rate(scene), uses_proxy,
-                  for_viewport and viewport_mesh.is_shown(nodes_mod),
-                  for_viewport and weight_paint.needs_coarse(obj), body,
-                  wind.surroundings(evaluated, depsgraph, settings))
+    return Inputs(units.frame_of(scene), positions, settings, paint, units.first_frame(obj, scene), world,
+                  units.frame_rate(scene), for_viewport and preview.uses_proxy(obj, nodes_mod), body,
+                  wind.surroundings(evaluated, depsgraph, settings),
+                  in_viewport=for_viewport and viewport_mesh.is_shown(nodes_mod),
+                  shows_coarse=for_viewport and weight_paint.needs_coarse(obj))
 
 
 def _fits(nodes_mod: bpy.types.NodesModifier, runtime: Runtime) -> bool:

@@ -7,34 +7,26 @@ from typing import Any
 
 import numpy as np
 
-from ...core.cloth.surroundings import Surroundings
 from ...core.frame import engine
-from ...core.mesh.body import Body
+from ...core.frame.frame_input import FrameRequest
 from .. import scheduler
 from .building import Building
 from .runtime_table import RuntimeBase, RuntimeTable
 
 
-@dataclass
-class Inputs:
-    """The inputs of the last result. Equal inputs need no new solve."""
+@dataclass(frozen=True, eq=False)
+class Inputs(FrameRequest):
+    """The inputs of the last result. Equal inputs need no new solve. for_preview: the mesh is a proxy for depth and
+    clicks, and preview.py draws the folds."""
 
-    frame: float
     settings: Any  # of the system
-    positions: np.ndarray
-    world_from_object: np.ndarray
-    paint: dict[str, np.ndarray]
-    frame_rate: float  # frames per second
-    uses_proxy: bool = False  # the mesh is a proxy for depth and clicks; preview.py draws the folds
-    in_viewport: bool = False  # solved for the viewports' mesh (viewport_mesh.py)
     shows_coarse: bool = False  # instead of the folds, for Weight Paint tools (weight_paint.py)
-    body: Body | None = None
-    surroundings: Surroundings = Surroundings()  # only if the cloth swings
 
     def same_as(self, other: "Inputs | None") -> bool:
+        """Whether all but the start is equal."""
         return (other is not None and self.frame == other.frame and self.settings == other.settings
-                and (self.frame_rate, self.uses_proxy, self.in_viewport, self.shows_coarse) == (
-                    other.frame_rate, other.uses_proxy, other.in_viewport, other.shows_coarse)
+                and (self.frame_rate, self.for_preview, self.in_viewport, self.shows_coarse) == (
+                    other.frame_rate, other.for_preview, other.in_viewport, other.shows_coarse)
                 and self.surroundings == other.surroundings
                 and (other.body is None if self.body is None else self.body.same_as(other.body))
                 and self.paint.keys() == other.paint.keys()

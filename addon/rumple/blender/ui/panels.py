@@ -276,7 +276,7 @@ def status_lines(obj: bpy.types.Object) -> list[tuple[str, str]]:
     if runtime is None or runtime.evaluator is None:
         return [("Nothing solved yet", "INFO")]
     fine, inputs, result, lines = runtime.evaluator, runtime.inputs, runtime.result, []
-    if inputs is not None and inputs.uses_proxy:
+    if inputs is not None and inputs.for_preview:
         lines.append((f"Drawn on the graphics card; {fine.vertex_count} vertices in renders", "SHADING_SOLID"))
     else:
         fewer = fine.in_viewport if inputs is not None and inputs.in_viewport else None

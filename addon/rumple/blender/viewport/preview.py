@@ -179,7 +179,7 @@ def _ask_for_meshes() -> None:
         over = uses_proxy(obj, nodes_mod)
         if over != runtime.asked_for_proxy:  # only once, in case it cannot be evaluated now
             runtime.asked_for_proxy = over
-            if over != runtime.inputs.uses_proxy:
+            if over != runtime.inputs.for_preview:
                 modifier.tag_soon([obj])
 
 
