@@ -158,15 +158,15 @@ class ClipBake:
 
     def _begin(self, context: bpy.types.Context, path: Path) -> None:
         obj, about = self.obj, self.obj.rumple
-        fine = runtimes.of(obj).evaluator
-        if fine is None:
+        evaluator = runtimes.of(obj).evaluator
+        if evaluator is None:
             raise BakeError(runtimes.message(obj) or f"{obj.name}: there is nothing to bake: add wrinkles first")
         manifest = Manifest(
-            object=obj.name, vertices=fine.vertex_count,
-            points=clip_file.point_count(fine.vertex_count, len(fine.corner_vertex), fine.ATTRIBUTES),
-            coarse_vertices=fine.coarse_count, start=self.playback.start, end=self.playback.end,
+            object=obj.name, vertices=evaluator.vertex_count,
+            points=clip_file.point_count(evaluator.vertex_count, len(evaluator.corner_vertex), evaluator.ATTRIBUTES),
+            coarse_vertices=evaluator.coarse_count, start=self.playback.start, end=self.playback.end,
             samples=about.bake_samples, inputs=clip_status.inputs_fingerprint(obj, context.scene), file=_file_name())
-        self.writer = self._make_writer(path, manifest, fine.ATTRIBUTES)
+        self.writer = self._make_writer(path, manifest, evaluator.ATTRIBUTES)
 
     def _make_writer(self, path: Path, manifest: Manifest,
                      attributes: tuple[Attribute, ...]) -> clip_file.ClipWriter:

@@ -167,15 +167,15 @@ class Playback:
     def _at_rest(self, runtime: runtimes.Runtime) -> tuple[engine.FrameResult, np.ndarray]:
         """(result, coarse positions) of a frame in which nothing is solved."""
         runtime.invalidate_output()  # results from before the bake are not part of it
-        fine = runtime.evaluator
-        rest = np.ascontiguousarray(fine.positions_rest, np.float32)
-        return (engine.FrameResult.at_rest(rest, len(fine.corner_vertex), fine.ATTRIBUTES),
+        evaluator = runtime.evaluator
+        rest = np.ascontiguousarray(evaluator.positions_rest, np.float32)
+        return (engine.FrameResult.at_rest(rest, len(evaluator.corner_vertex), evaluator.ATTRIBUTES),
                 compat.positions(incoming_mesh.of(self.obj)))
 
     def note(self) -> str:
         """A warning about the solved frames, for the report; empty if there is none."""
-        fine = runtimes.of(self.obj).evaluator
-        others = sorted(fine.pose_mismatches) if fine is not None else []
+        evaluator = runtimes.of(self.obj).evaluator
+        others = sorted(evaluator.pose_mismatches) if evaluator is not None else []
         return (f". {len(others)} frames have another pose than the analysis of the clip saw (first: {others[0]:g}): "
                 "they were solved as in playback") if others else ""
 

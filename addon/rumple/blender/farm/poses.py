@@ -67,10 +67,11 @@ class Solver:
             self.rigs = rig_poses.armatures(obj)
             if not self.rigs and not options.from_clip:
                 raise BakeError(f"{obj.name}: no armature moves it: give --from-clip, or add a rig")
-            fine = runtimes.of(obj).evaluator
+            evaluator = runtimes.of(obj).evaluator
             self.set = PoseSet(obj.name, digest, source.made_by(), options.seed, options.count,
-                               "clip" if options.from_clip else "random", [self.first, self.last], fine.coarse_count,
-                               fine.vertex_count, scene.unit_settings.scale_length, self._ranges(), options.widen)
+                               "clip" if options.from_clip else "random", [self.first, self.last],
+                               evaluator.coarse_count, evaluator.vertex_count, scene.unit_settings.scale_length,
+                               self._ranges(), options.widen)
             if not options.from_clip:
                 self._check_ranges()
                 self.playback.solve_sample(0)
@@ -109,12 +110,12 @@ class Solver:
 
     def mesh(self) -> dict[str, np.ndarray]:
         """The constant arrays: meshes and bones at rest."""
-        coarse, fine = incoming_mesh.of(self.obj), runtimes.of(self.obj).evaluator
+        coarse, evaluator = incoming_mesh.of(self.obj), runtimes.of(self.obj).evaluator
         return dict(coarse_rest=compat.positions(coarse), coarse_sizes=shown.face_sizes(coarse),
                     coarse_corners=compat.corner_vertices(coarse),
-                    fine_rest=np.asarray(fine.positions_rest, np.float32),
-                    fine_sizes=np.diff(fine.polygon_start).astype(np.int32),
-                    fine_corners=np.asarray(fine.corner_vertex, np.int32), bone_rest=rig_poses.at_rest(self.rigs),
+                    fine_rest=np.asarray(evaluator.positions_rest, np.float32),
+                    fine_sizes=np.diff(evaluator.polygon_start).astype(np.int32),
+                    fine_corners=np.asarray(evaluator.corner_vertex, np.int32), bone_rest=rig_poses.at_rest(self.rigs),
                     bone_parent=rig_poses.parents(self.rigs))
 
     def close(self) -> None:

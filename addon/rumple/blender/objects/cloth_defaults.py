@@ -129,11 +129,11 @@ def _nearest(places: np.ndarray, to: np.ndarray) -> list[int]:
 def follow_weights(obj: bpy.types.Object) -> np.ndarray | None:
     """(n,) float32, per vertex of the object's own mesh: where the base cloth is pinned automatically. None before the
     evaluator exists."""
-    fine = runtimes.of(obj).evaluator
-    if fine is None:
+    evaluator = runtimes.of(obj).evaluator
+    if evaluator is None:
         return None
     settings = properties.settings_of(obj, units.scene_of(obj))
-    return on_own_vertices(obj, in_steps(fine.suggested_follow(settings)))
+    return on_own_vertices(obj, in_steps(evaluator.suggested_follow(settings)))
 
 
 def in_steps(weights: np.ndarray) -> np.ndarray:

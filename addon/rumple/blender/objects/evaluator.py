@@ -86,13 +86,13 @@ def ensure(obj: bpy.types.Object, runtime: Runtime, meanwhile: Callable[[], obje
         raise UserError(runtime.refusal)
     try:
         if begun is not None and begun.wanted == wanted:
-            fine = begun.result()
+            evaluator = begun.result()
         else:
-            fine = _built(obj, now, wanted, meanwhile)
-        fine = _checked(obj, fine)
+            evaluator = _built(obj, now, wanted, meanwhile)
+        evaluator = _checked(obj, evaluator)
         if runtime.evaluator is not None and solved_alike(runtime.shape) == solved_alike(wanted):
-            carry_frames(runtime.evaluator, fine)
-        runtime.evaluator = fine
+            carry_frames(runtime.evaluator, evaluator)
+        runtime.evaluator = evaluator
     except Exception as error:  # any exception, because otherwise every update would try it again
         runtime.refused = _refusable(obj, wanted)
         messages.set_build_error(runtime, messages.of_error(obj, error))
@@ -208,13 +208,13 @@ def _builder(obj: bpy.types.Object, now: Sources) -> Callable[[], engine.Wrinkle
                              unit_scale=now.unit_scale, most_vertices=max(obj.rumple.most_vertices, least), **more)
 
 
-def _checked(obj: bpy.types.Object, fine: engine.Wrinkles) -> engine.Wrinkles:
-    coarse = fine.coarse_count
-    if fine.vertex_count < coarse:  # the result could not carry the coarse positions
-        raise UserError(f"{obj.name}: the fine mesh has {fine.vertex_count} vertices, fewer than the coarse one "
+def _checked(obj: bpy.types.Object, evaluator: engine.Wrinkles) -> engine.Wrinkles:
+    coarse = evaluator.coarse_count
+    if evaluator.vertex_count < coarse:  # the result could not carry the coarse positions
+        raise UserError(f"{obj.name}: the fine mesh has {evaluator.vertex_count} vertices, fewer than the coarse one "
                         f"({coarse}): choose a denser one")
-    subdivision_behind.refuse_costly(obj, fine)
-    return fine
+    subdivision_behind.refuse_costly(obj, evaluator)
+    return evaluator
 
 
 def _own_mesh(obj: bpy.types.Object, settings: Any) -> engine.BaseMesh | None:

@@ -45,14 +45,14 @@ def resumed(obj: bpy.types.Object) -> list[str]:
     """About an animation with Overwrite off whose first pictures exist: the first frame that is rendered is a jump. It
     looks at files, so only the check before a render calls it."""
     scene = units.scene_of(obj)
-    render, settings, fine = scene.render, properties.settings_of(obj, scene), runtimes.of(obj).evaluator
+    render, settings, evaluator = scene.render, properties.settings_of(obj, scene), runtimes.of(obj).evaluator
     if render.use_overwrite or render.is_movie_format or settings.stateless or settings.swings:
         return []
     first = next((frame for frame in range(scene.frame_start, scene.frame_end + 1, scene.frame_step)
                   if not os.path.exists(render.frame_path(frame=frame))), None)
     if first in (None, scene.frame_start) or first <= units.first_frame(obj, scene):
         return []
-    stored = [] if fine is None else [fine.frame_cache.get(float(frame)) for frame in (first - 1, first)]
+    stored = [] if evaluator is None else [evaluator.frame_cache.get(float(frame)) for frame in (first - 1, first)]
     if any(frame is not None and frame.final for frame in stored):
         return []
     return [f"{obj.name}: Overwrite is off and pictures exist, so a render goes on in frame {first} as after a jump: "
@@ -61,8 +61,8 @@ def resumed(obj: bpy.types.Object) -> list[str]:
 
 def _are_stored(obj: bpy.types.Object, scene: bpy.types.Scene) -> bool:
     """Whether every frame of a rendered animation was reached by playback and is stored."""
-    fine = runtimes.of(obj).evaluator
-    stored = [None if fine is None else fine.frame_cache.get(float(frame))
+    evaluator = runtimes.of(obj).evaluator
+    stored = [None if evaluator is None else evaluator.frame_cache.get(float(frame))
               for frame in range(scene.frame_start, scene.frame_end + 1, scene.frame_step)]
     return all(frame is not None and frame.final for frame in stored)
 

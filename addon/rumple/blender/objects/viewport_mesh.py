@@ -65,10 +65,10 @@ def _is_read_behind(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier) -
                for m in behind for identifier in compat.group_sockets(m.node_group, "INPUT").values())
 
 
-def solved_for(nodes_mod: bpy.types.NodesModifier, fine: engine.Wrinkles) -> list[ShownMesh]:
+def solved_for(nodes_mod: bpy.types.NodesModifier, evaluator: engine.Wrinkles) -> list[ShownMesh]:
     """The meshes that modifier.outputs() must have: the one of renders, and the one of viewports if it exists."""
-    in_viewport = fine.in_viewport if modifier.can_show_in_viewport(nodes_mod) else None
-    return [fine] if in_viewport is None else [fine, in_viewport]
+    in_viewport = evaluator.in_viewport if modifier.can_show_in_viewport(nodes_mod) else None
+    return [evaluator] if in_viewport is None else [evaluator, in_viewport]
 
 
 def show_in_viewports(nodes_mod: bpy.types.NodesModifier, wanted: bool) -> None:

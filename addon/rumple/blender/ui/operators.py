@@ -249,13 +249,13 @@ class OBJECT_OT_rumple_add(bpy.types.Operator):
             self.report({"INFO"}, said(note))
 
     def _report(self, obj: bpy.types.Object, notes: list[str], warnings: list[str]) -> None:
-        fine = runtimes.of(obj).evaluator
-        origin = fine.base.origin
+        evaluator = runtimes.of(obj).evaluator
+        origin = evaluator.base.origin
         self._report_notes(obj, notes + ([] if origin is None else origin.notes(obj.name)), warnings)
         worn_over = ", ".join(body.name for body in bodies.of(obj))
         label = said(properties.system_of(obj).label)
-        made = said(f"{label} added, {fine.vertex_count:,} vertices, over {worn_over}" if worn_over else
-                    f"{label} added, {fine.vertex_count:,} vertices")
+        made = said(f"{label} added, {evaluator.vertex_count:,} vertices, over {worn_over}" if worn_over else
+                    f"{label} added, {evaluator.vertex_count:,} vertices")
         self.report({"INFO"}, f"{made}. {said(_NEXT)}")
 
 

@@ -211,13 +211,13 @@ class DATA_PT_rumple_frames(Panel, bpy.types.Panel):
         runtime = runtimes.known(obj)
         if runtime is None or runtime.evaluator is None:
             return
-        history = runtime.evaluator.frame_cache
-        frames = history.frames()
+        frame_cache = runtime.evaluator.frame_cache
+        frames = frame_cache.frames()
         for label, final in (("Played through: {0}", True), ("After a jump: {0}", False)):
             numbers = [frame for frame, is_final in frames if is_final == final]
             if numbers:
                 draw_note(column, said(label).format(ranges(numbers)), "BLANK1")
-        draw_note(column, f"{len(frames)} frames, {history.bytes / 2**20:.1f} MB", "BLANK1")
+        draw_note(column, f"{len(frames)} frames, {frame_cache.bytes / 2**20:.1f} MB", "BLANK1")
         column.operator("object.rumple_clear_frames")
 
 
@@ -261,9 +261,9 @@ def status_line(obj: bpy.types.Object) -> str:
     runtime = runtimes.known(obj)
     if modifier.plays_clip(modifier.find(obj)) or runtime is None or runtime.evaluator is None:
         return ""
-    fine, inputs, result = runtime.evaluator, runtime.inputs, runtime.result  # read once: a render may change them
-    in_viewport = inputs is not None and inputs.in_viewport and fine.in_viewport is not None
-    count = fine.in_viewport.vertex_count if in_viewport else fine.vertex_count
+    evaluator, inputs, result = runtime.evaluator, runtime.inputs, runtime.result  # read once: a render may change them
+    in_viewport = inputs is not None and inputs.in_viewport and evaluator.in_viewport is not None
+    count = evaluator.in_viewport.vertex_count if in_viewport else evaluator.vertex_count
     took = 0.0 if result is None else sum(result.milliseconds.values())
     return f"{count:,} vertices, {took:.0f} ms"
 
@@ -275,18 +275,18 @@ def status_lines(obj: bpy.types.Object) -> list[tuple[str, str]]:
         return [("Baked: the clip is shown, nothing is solved", "CHECKMARK")]
     if runtime is None or runtime.evaluator is None:
         return [("Nothing solved yet", "INFO")]
-    fine, inputs, result, lines = runtime.evaluator, runtime.inputs, runtime.result, []
+    evaluator, inputs, result, lines = runtime.evaluator, runtime.inputs, runtime.result, []
     if inputs is not None and inputs.for_preview:
-        lines.append((f"Drawn on the graphics card; {fine.vertex_count} vertices in renders", "SHADING_SOLID"))
+        lines.append((f"Drawn on the graphics card; {evaluator.vertex_count} vertices in renders", "SHADING_SOLID"))
     else:
-        fewer = fine.in_viewport if inputs is not None and inputs.in_viewport else None
-        lines.append((f"{fine.vertex_count:,} vertices are shown" if fewer is None else
-                      f"{fewer.vertex_count:,} vertices are shown, {fine.vertex_count:,} in renders", "MESH_DATA"))
+        fewer = evaluator.in_viewport if inputs is not None and inputs.in_viewport else None
+        lines.append((f"{evaluator.vertex_count:,} vertices are shown" if fewer is None else
+                      f"{fewer.vertex_count:,} vertices are shown, {evaluator.vertex_count:,} in renders", "MESH_DATA"))
     if result is not None:
         times = ", ".join(f"{stage} {ms:.2f}" for stage, ms in result.milliseconds.items())
         if times:
             lines.append((f"Milliseconds: {times}" + (" (stored frame)" if result.replayed else ""), "TIME"))
-        lines += [(line, "BLANK1") for line in fine.status(result)]
+        lines += [(line, "BLANK1") for line in evaluator.status(result)]
     notes = [*runtime.notes, clip_status.late_in_renders(obj), runtime.unplayed, preview.refusal(obj),
              *_fields_not_felt(inputs), *lost_maps.deleted(obj)]
     return lines + [(note, "INFO") for note in notes if note]

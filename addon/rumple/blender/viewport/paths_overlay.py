@@ -91,9 +91,9 @@ def _batch(key: int, runtime: runtimes.Runtime, opacity: float) -> Any:
     if drawn is None or drawn[0] is not inputs or drawn[1] != opacity:
         import gpu  # not at the top, because 3.4 needs a window for it
         from gpu_extras.batch import batch_for_shader
-        fine = runtime.evaluator
-        assert isinstance(fine, WrinklePaths)
-        points, colours, triangles = faces(*fine.labels_and_ellipses(inputs.frame, inputs.positions), opacity)
+        evaluator = runtime.evaluator
+        assert isinstance(evaluator, WrinklePaths)
+        points, colours, triangles = faces(*evaluator.labels_and_ellipses(inputs.frame, inputs.positions), opacity)
         shader = gpu.shader.from_builtin(compat.SMOOTH_COLOR_SHADER)
         drawn = _drawn[key] = inputs, opacity, batch_for_shader(shader, "TRIS", dict(pos=points, color=colours),
                                                                 indices=triangles)

@@ -206,25 +206,25 @@ class Drawing:
         If the engine solves a frame from the one before, the GPU does so independently. After a jump, after a change at
         the same frame, and until the clip's first frame it uploads the engine's state.
         """
-        inputs, fine = runtime.inputs, runtime.evaluator
-        assert isinstance(fine, WrinkleField)
+        inputs, evaluator = runtime.inputs, runtime.evaluator
+        assert isinstance(evaluator, WrinkleField)
         if before is None or before.settings != inputs.settings or before.paint is not inputs.paint:
-            self.waves.set_wave_parameters(*fine.wave_parameters(inputs.settings))
+            self.waves.set_wave_parameters(*evaluator.wave_parameters(inputs.settings))
         goes_on = (before is not None and before.paint is inputs.paint and not inputs.settings.stateless
                    and inputs.frame == before.frame + 1.0 > units.first_frame(obj, bpy.context.scene))
         if not goes_on:
-            state = fine.wrinkles_of(inputs.frame)
+            state = evaluator.wrinkles_of(inputs.frame)
             if state is None:
                 return False
             self.waves.begin(state.phase, state.direction, state.solved_offset)
         elif before.settings != inputs.settings:
             self.waves.hold_none()
         settings = inputs.settings
-        state = fine.wrinkles_of(inputs.frame) if settings.adapts or settings.base_cloth != "OFF" else None
-        positions = fine.solved_over(inputs.frame, inputs.positions)
+        state = evaluator.wrinkles_of(inputs.frame) if settings.adapts or settings.base_cloth != "OFF" else None
+        positions = evaluator.solved_over(inputs.frame, inputs.positions)
         welded, normals = self._model.weld_pose(positions)
-        self.waves.pose(welded, normals, fine.reference_stretches(state, positions) if state is not None else None,
-                        fine.share_with_place(settings, positions, state))
+        self.waves.pose(welded, normals, evaluator.reference_stretches(state, positions) if state is not None else None,
+                        evaluator.share_with_place(settings, positions, state))
         self.waves.estimate_waves()
         self.waves.relax(inputs.settings.rounds if goes_on else 0)
         self.waves.dissolve()
