@@ -12,7 +12,8 @@ import bmesh
 import bpy
 from mathutils import Euler, Matrix, Vector
 from rumple.blender import compat
-from rumple.blender.objects import body_search, runtimes
+from rumple.blender.first_click import body_search
+from rumple.blender.objects import runtimes
 from support import sleeve
 
 

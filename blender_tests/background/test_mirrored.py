@@ -10,7 +10,8 @@ import bpy
 import numpy as np
 from mathutils import Matrix
 from rumple.blender import compat
-from rumple.blender.objects import body_search, cloth_defaults, incoming_mesh, modifier, runtimes
+from rumple.blender.first_click import body_search, cloth_defaults
+from rumple.blender.objects import incoming_mesh, modifier, painted_maps, runtimes
 from support import sleeve
 from support.arriving import Arriving
 
@@ -128,7 +129,7 @@ class Bodies(unittest.TestCase):
         self.assertEqual(bpy.ops.object.rumple_add(method="MESH"), {"FINISHED"})
         self.assertEqual((self.obj.rumple.body, self.obj.rumple.mesh.base_cloth), (self.body, "HANG"))
         along = compat.positions(self.obj.data)[:, 0]
-        pinned = cloth_defaults.follow_weights(self.obj)
+        pinned = painted_maps.follow_weights(self.obj)
         self.assertEqual((pinned[along == along.min()].min(), pinned[along == along.max()].max()), (1.0, 0.0))
 
     def test_a_patch_is_no_sheet_of_the_whole(self) -> None:

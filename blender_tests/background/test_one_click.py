@@ -14,8 +14,7 @@ import bmesh
 import bpy
 import numpy as np
 from rumple.blender import compat, scheduler
-from rumple.blender.objects import (cloth_defaults, mesh_reader, modifier, painted_maps, properties, runtimes,
-                                    stack_notes)
+from rumple.blender.objects import mesh_reader, modifier, painted_maps, properties, runtimes, stack_notes
 from rumple.blender.ui import operators
 from rumple.core.paint.hangs_free import FREE
 from rumple.native import kernels
@@ -289,7 +288,7 @@ class HangsFree(unittest.TestCase):
         self.assertEqual(settings.up, "-X")
         self.assertEqual(weights[along == along.min()].max(), 0.0)
         self.assertEqual(weights[along > 0.5 * along.max()].min(), 1.0)
-        pinned = cloth_defaults.follow_weights(self.obj)
+        pinned = painted_maps.follow_weights(self.obj)
         self.assertEqual(pinned[along == along.min()].min(), 1.0)
         self.assertEqual(pinned[along == along.max()].max(), 0.0)
 

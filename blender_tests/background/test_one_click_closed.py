@@ -8,7 +8,7 @@ import bmesh
 import bpy
 import numpy as np
 from rumple.blender import compat
-from rumple.blender.objects import cloth_defaults
+from rumple.blender.objects import painted_maps
 from support import sleeve
 
 
@@ -43,7 +43,7 @@ class Closed(unittest.TestCase):
         self.assertIn("its ends are closed, so it is cloth that is held by its upper end", self.click())
         settings = self.obj.rumple.mesh
         self.assertEqual((settings.base_cloth, settings.layers, self.obj.rumple.body), ("HANG", "CLOTH", None))
-        held, along = cloth_defaults.follow_weights(self.obj), compat.positions(self.obj.data)[:, 0]
+        held, along = painted_maps.follow_weights(self.obj), compat.positions(self.obj.data)[:, 0]
         self.assertEqual(held[along == 0.0].min(), 1.0)
         self.assertEqual(held[along > 0.2 * sleeve.LENGTH].max(), 0.0)
         sleeve.play()

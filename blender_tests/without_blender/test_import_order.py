@@ -14,8 +14,8 @@ ADDON = ROOT / "addon" / "rumple"
 # Lowest first. A file or folder imports itself and what stands before it. __init__.py imports any.
 LAYERS = ["native", "core", "blender"]
 CORE = ["base", "settings", "mesh", "parts", "paint", "cloth", "frame", "systems", "files"]
-BLENDER = ["compat", "manual", "translation", "scheduler", "nodes", "objects", "viewport", "frame", "ui_base", "maps",
-           "brush", "bake", "farm", "ui", "handlers"]
+BLENDER = ["compat", "manual", "translation", "scheduler", "nodes", "objects", "first_click", "viewport", "frame",
+           "ui_base", "maps", "brush", "bake", "farm", "ui", "handlers"]
 # Folders of native/, lowest first, in the same way. The systems stand side by side: none includes another.
 SYSTEMS = ["systems/wrinkle_maps", "systems/wrinkle_mesh", "systems/wrinkle_field", "systems/wrinkle_paths"]
 NATIVE = ["include/rumple", "include", "base", "surface/query", "surface/mesh", "surface/refine", "surface/contact",

@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The Blender layer: user interface, handlers and data-blocks. The mathematics is in ../core and in native code.
 
-Each entry of this list imports only from later ones: ui, farm, bake, brush, maps, ui_base.py, frame, viewport, objects,
-nodes, scheduler.py, translation.py, manual.py, compat.py (blender_tests/without_blender/test_import_order.py).
+Each entry of this list imports only from later ones: ui, farm, bake, brush, maps, ui_base.py, frame, viewport,
+first_click, objects, nodes, scheduler.py, translation.py, manual.py, compat.py
+(blender_tests/without_blender/test_import_order.py).
 """
 from __future__ import annotations
 

@@ -19,9 +19,10 @@ from mathutils import Matrix
 from ...core.base.wording import UserError
 from ...core.settings.presets import SKIN_OF_MAPS
 from .. import compat, scheduler
+from ..first_click import cloth_defaults
 from ..frame import rebuild
 from ..nodes import maps_shader
-from ..objects import cloth_defaults, messages, modifier, properties, runtimes, units
+from ..objects import messages, modifier, properties, runtimes, units
 from ..translation import said
 from . import (bake_apart, changes as maps_changes, export as maps_export, keys as maps_keys, modifier as maps_modifier,
                operators as maps_operators, rig as maps_rig, stored_poses)

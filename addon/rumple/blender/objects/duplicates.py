@@ -6,7 +6,8 @@ from __future__ import annotations
 import bpy
 
 from .. import compat
-from . import body_search, made_collections, units
+from . import made_collections, units
+from .bodies_at_rest import armatures
 
 
 def split_worn_over(garments: list[bpy.types.Object]) -> None:
@@ -35,11 +36,12 @@ def _split(garments: list[bpy.types.Object]) -> None:
 def _counterpart(member: bpy.types.Object, garment: bpy.types.Object) -> bpy.types.Object:
     """The object that follows the armature of a garment and has the same mesh as a member, or the same name except for
     the number. The member itself if it follows this armature, or if no other object fits."""
-    rigs = body_search.armatures(garment)
-    if not rigs or rigs & body_search.armatures(member):
+    rigs = armatures(garment)
+    if not rigs or rigs & armatures(member):
         return member
-    alike = [other for other in units.scene_of(garment).objects if other != garment
-             and (other.data == member.data or _stem(other) == _stem(member)) and rigs & body_search.armatures(other)]
+    alike = [other for other in units.scene_of(garment).objects
+             if other != garment and (other.data == member.data or _stem(other) == _stem(member))
+             and rigs & armatures(other)]
     return min(alike, key=lambda other: (_stem(other) != _stem(member), other.data != member.data), default=member)
 
 

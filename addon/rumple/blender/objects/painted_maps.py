@@ -7,6 +7,7 @@ from typing import Any
 
 import bpy
 import numpy as np
+from mathutils.kdtree import KDTree
 
 from ...core.base.wording import UserError
 from ...core.paint import paint_maps
@@ -16,8 +17,9 @@ from ...core.paint.paint_maps import WIDTH
 from ...core.paint.painted_rigid import RIGID
 from ...core.settings.system_settings import FieldSettings, MeshSettings
 from .. import compat, scheduler
-from . import cloth_defaults, lost_maps, mesh_reader, modifier, properties, runtimes, units
+from . import incoming_mesh, lost_maps, mesh_reader, modifier, properties, runtimes, units
 
+STEPS = 20  # number of different weights in a new group
 # In the order of the list in the panel.
 KEYS = ("drape", "folds", "detail", "mask", WIDTH, "radius", "prestretch", "bending", "inside", "room", FREE,
         "follow", SMOOTH, RIGID)
@@ -152,8 +154,39 @@ def weights(obj: bpy.types.Object, painted: PaintedMap) -> np.ndarray:
 
 def start(obj: bpy.types.Object, painted: PaintedMap) -> np.ndarray:
     """(n,) float32: the first weights of a new map, which change nothing."""
-    pinned = cloth_defaults.follow_weights(obj) if painted.key == "follow" else None
+    pinned = follow_weights(obj) if painted.key == "follow" else None
     return np.full(len(obj.data.vertices), painted.rest, np.float32) if pinned is None else pinned
+
+
+def follow_weights(obj: bpy.types.Object) -> np.ndarray | None:
+    """(n,) float32, per vertex of the object's own mesh: where the base cloth is pinned automatically. None before the
+    evaluator exists."""
+    evaluator = runtimes.of(obj).evaluator
+    if evaluator is None:
+        return None
+    settings = properties.settings_of(obj, units.scene_of(obj))
+    return on_own_vertices(obj, in_steps(evaluator.suggested_follow(settings)))
+
+
+def in_steps(weights: np.ndarray) -> np.ndarray:
+    """Rounded, float32. With few different values a vertex group is written quickly."""
+    return (np.round(weights * STEPS) / STEPS).astype(np.float32)
+
+
+def on_own_vertices(obj: bpy.types.Object, weights: np.ndarray) -> np.ndarray:
+    """From weights of the incoming mesh, (m,), to weights of the object's own vertices, (n,), which are painted."""
+    if incoming_mesh.is_own(obj):
+        return weights
+    return weights[_nearest(compat.positions(incoming_mesh.of(obj)), compat.positions(obj.data))]
+
+
+def _nearest(places: np.ndarray, to: np.ndarray) -> list[int]:
+    """For every row of `to`, the index of the nearest row of `places`."""
+    tree = KDTree(len(places))
+    for number, place in enumerate(places.tolist()):
+        tree.insert(place, number)
+    tree.balance()
+    return [tree.find(place)[1] for place in to.tolist()]
 
 
 def is_masked(obj: bpy.types.Object) -> bool:

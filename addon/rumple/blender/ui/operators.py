@@ -13,11 +13,13 @@ from ... import native
 from ...core.mesh.base_mesh import built_once
 from ...core.systems.all_systems import SYSTEMS
 from .. import compat, scheduler, ui_base
+from ..first_click import cloth_defaults
+from ..first_click.set_up import set_up
 from ..frame import disk_frames, rebuild
 from ..maps import rebuild as maps_rebuild
 from ..nodes import field_shader, wrinkle_tree
-from ..objects import (bodies, cloth_defaults, first_click, incoming_mesh, modifier, posed_coarse, properties, runtimes,
-                       shared_mesh, stack_notes, subdivision_behind)
+from ..objects import (bodies, incoming_mesh, modifier, posed_coarse, properties, runtimes, shared_mesh, stack_notes,
+                       subdivision_behind)
 from ..translation import said
 from . import fabrics, thumbnails, wave_materials
 
@@ -129,7 +131,7 @@ class OBJECT_OT_rumple_add(bpy.types.Operator):
             rebuild.drop_traces(obj)
         obj.rumple.method = self.method
         kept, maps, by_hand = _set_properties(obj), set(obj.vertex_groups.keys()), self._may_wait
-        notes = first_click.set_up(obj, context.scene)
+        notes = set_up(obj, context.scene)
         if set(obj.vertex_groups.keys()) - maps:
             ui_base.warn(self, shared_mesh.note(obj))
         self._adjust(context, obj)
@@ -211,7 +213,7 @@ class OBJECT_OT_rumple_add(bpy.types.Operator):
         for group, name in [*left_out, *(setting for setting in _set_properties(obj) if setting not in kept)]:
             group.property_unset(name)
         self.properties.property_unset("width")
-        first_click.set_up(obj, context.scene)
+        set_up(obj, context.scene)
         self._adjust(context, obj)
         if cloth_defaults.is_cloth(obj):
             sheet = cloth_defaults.is_sheet(obj, obj.rumple.body)

@@ -12,7 +12,8 @@ from ...core.paint.keep_smooth import SMOOTH
 from ...core.parts import skin_materials
 from ...core.parts.cloth_surface import without_rigid_parts
 from .. import compat
-from . import cloth_defaults, mesh_reader, named_skin, painted_maps, properties
+from ..objects import mesh_reader, painted_maps, properties
+from . import named_skin
 
 
 def paint(obj: bpy.types.Object) -> list[str]:
@@ -37,6 +38,6 @@ def paint(obj: bpy.types.Object) -> list[str]:
         return []  # the build reports this error
     skin, own = skin_materials.vertices_of(cloth, skin_faces).astype(np.float32), base.own_origin().vertex_count
     for found in maps:
-        weights = cloth_defaults.in_steps((skin if found.key == SMOOTH else np.maximum(skin, follow))[:own])
-        painted_maps.write(obj, found, cloth_defaults.on_own_vertices(obj, weights), masked=False)
+        weights = painted_maps.in_steps((skin if found.key == SMOOTH else np.maximum(skin, follow))[:own])
+        painted_maps.write(obj, found, painted_maps.on_own_vertices(obj, weights), masked=False)
     return named_skin.materials_of(obj, cloth, skin_faces)

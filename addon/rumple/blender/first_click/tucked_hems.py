@@ -19,7 +19,8 @@ from ...core.mesh.base_mesh import BaseMesh
 from ...core.mesh.connected import borders
 from ...core.parts.cloth_surface import without_rigid_parts
 from .. import compat
-from . import cloth_defaults, painted_maps, properties, rig_scale
+from ..objects import painted_maps, properties, rig_scale
+from . import cloth_defaults
 
 REACH = 0.02  # metres, of an adult's garment: largest distance of the clothes over a hem
 
@@ -42,7 +43,7 @@ def paint(obj: bpy.types.Object, scene: bpy.types.Scene, trees: dict[bpy.types.O
     if not (follow[hidden] < tucked.HELD).any():
         return  # a waistband under a shirt
     weights = tucked.held(follow, base.positions, hidden, base.diagonal())[:base.own_origin().vertex_count]
-    weights = cloth_defaults.on_own_vertices(obj, cloth_defaults.in_steps(weights))
+    weights = painted_maps.on_own_vertices(obj, painted_maps.in_steps(weights))
     painted_maps.write(obj, painted, weights, masked=False)
 
 

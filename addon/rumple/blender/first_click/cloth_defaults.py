@@ -6,22 +6,20 @@ from typing import Any
 
 import bpy
 import numpy as np
-from mathutils.kdtree import KDTree
 
 from ...core.base import transforms
 from ...core.mesh import outer_side
 from ...core.mesh.base_mesh import BaseMesh
 from ...core.parts import flared
 from ...core.systems import wrinkle_field, wrinkle_mesh, wrinkle_paths
-from .. import compat
-from . import closed_garments, incoming_mesh, mesh_reader, modifier, named_skin, properties, rig_scale, runtimes, units
+from ..objects import mesh_reader, modifier, properties, rig_scale
+from . import closed_garments, named_skin
 
 # Their result is already cloth: its small compressions come from the simulation.
 SIMULATED = frozenset(("CLOTH", "SOFT_BODY", "MESH_CACHE", "MESH_SEQUENCE_CACHE"))
 SIMULATED_DEFAULTS: dict[str, dict[str, Any]] = {
     "MESH": wrinkle_mesh.SIMULATED_DEFAULTS, "FIELD": wrinkle_field.SIMULATED_DEFAULTS}
 CHOICES = ("base_cloth", "layers", "hem_rings", "up", "buckling_threshold", "threshold")  # not lengths
-STEPS = 20  # number of different weights in a new group
 
 
 def apply(obj: bpy.types.Object, scene: bpy.types.Scene, lengths: set[str], sheet: bool, closed: bool) -> None:
@@ -64,7 +62,7 @@ def defaults(obj: bpy.types.Object, scene: bpy.types.Scene, sheet: bool = False,
 
 def is_closed(obj: bpy.types.Object, scene: bpy.types.Scene) -> bool:
     """Whether an object is a garment without openings, because its ends are closed. With a body in it, it is not made
-    cloth (first_click.py)."""
+    cloth (set_up.py)."""
     base = cloth_at_rest(obj)
     return not wrinkle_mesh.suits_cloth(base) and closed_garments.is_one(obj, scene, base, _turn(obj)[2])
 
@@ -115,34 +113,3 @@ def is_skinned(obj: bpy.types.Object) -> bool:
     """Whether an object is moved by bones."""
     return any(m.type == "ARMATURE" and m.object is not None for m in obj.modifiers) or (
         obj.parent is not None and obj.parent.type == "ARMATURE" and obj.parent_type == "ARMATURE")
-
-
-def _nearest(places: np.ndarray, to: np.ndarray) -> list[int]:
-    """For every row of `to`, the index of the nearest row of `places`."""
-    tree = KDTree(len(places))
-    for number, place in enumerate(places.tolist()):
-        tree.insert(place, number)
-    tree.balance()
-    return [tree.find(place)[1] for place in to.tolist()]
-
-
-def follow_weights(obj: bpy.types.Object) -> np.ndarray | None:
-    """(n,) float32, per vertex of the object's own mesh: where the base cloth is pinned automatically. None before the
-    evaluator exists."""
-    evaluator = runtimes.of(obj).evaluator
-    if evaluator is None:
-        return None
-    settings = properties.settings_of(obj, units.scene_of(obj))
-    return on_own_vertices(obj, in_steps(evaluator.suggested_follow(settings)))
-
-
-def in_steps(weights: np.ndarray) -> np.ndarray:
-    """Rounded, float32. With few different values a vertex group is written quickly."""
-    return (np.round(weights * STEPS) / STEPS).astype(np.float32)
-
-
-def on_own_vertices(obj: bpy.types.Object, weights: np.ndarray) -> np.ndarray:
-    """From weights of the incoming mesh, (m,), to weights of the object's own vertices, (n,), which are painted."""
-    if incoming_mesh.is_own(obj):
-        return weights
-    return weights[_nearest(compat.positions(incoming_mesh.of(obj)), compat.positions(obj.data))]

@@ -16,7 +16,8 @@ from ...core.base.vertices import places
 from ...core.cloth.base_cloth import size_factor
 from ...core.paint import hangs_free
 from .. import compat
-from . import bodies, body_search, cloth_defaults, incoming_mesh, mesh_reader, painted_maps, properties, rig_scale
+from ..objects import bodies, incoming_mesh, mesh_reader, painted_maps, properties, rig_scale
+from . import body_search, cloth_defaults
 
 FARTHEST = 0.3  # metres, of an adult's garment: surfaces farther away are ignored
 UNDER = 0.5  # least cosine of the angle between inward normal and body: the body is below the cloth, not beside it
@@ -65,7 +66,7 @@ def paint(obj: bpy.types.Object, scene: bpy.types.Scene, trees: dict[bpy.types.O
     free = hangs_free.share_of_sheet(rest) if sheet else _free_of_bodies(obj, rest, scene, trees)
     if free is None or (free[_cloth_vertices(obj)] > 0.5).mean() < hangs_free.LEAST_FREE:
         return False
-    painted_maps.write(obj, painted, cloth_defaults.in_steps(free), masked=False)
+    painted_maps.write(obj, painted, painted_maps.in_steps(free), masked=False)
     return True
 
 

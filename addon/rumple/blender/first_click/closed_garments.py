@@ -9,7 +9,8 @@ from ...core.base import transforms
 from ...core.mesh.base_mesh import BaseMesh
 from ...core.parts.closed_garment import bends, is_closed_garment
 from ...core.parts.skin_materials import names_skin
-from . import bodies_at_rest, body_search, incoming_mesh, mesh_reader
+from ..objects import bodies_at_rest, incoming_mesh, mesh_reader
+from . import body_search
 
 
 def is_one(obj: bpy.types.Object, scene: bpy.types.Scene, base: BaseMesh, up: np.ndarray) -> bool:

@@ -9,8 +9,8 @@ import bpy
 
 from ...core.systems.all_systems import SYSTEMS
 from ..nodes import wrinkle_tree
-from . import (body_search, cloth_defaults, free_parts, incoming_mesh, made_collections, mesh_reader, named_skin,
-               painted_skin, properties, rig_scale, tucked_hems)
+from ..objects import incoming_mesh, made_collections, mesh_reader, properties, rig_scale
+from . import body_search, cloth_defaults, free_parts, named_skin, painted_skin, tucked_hems
 
 
 UNDER_MOST = 0.5  # least share of a garment over an object that is the body in it, and not its neighbour

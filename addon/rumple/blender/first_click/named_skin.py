@@ -8,7 +8,7 @@ import numpy as np
 from ...core.base.wording import UserError
 from ...core.mesh.base_mesh import BaseMesh
 from ...core.parts import skin_materials
-from . import incoming_mesh, mesh_reader
+from ..objects import incoming_mesh, mesh_reader
 
 
 def materials(obj: bpy.types.Object) -> list[str]:

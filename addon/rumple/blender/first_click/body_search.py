@@ -16,8 +16,8 @@ from ...core.base.vertices import lengths, sample_of
 from ...core.mesh import outer_side
 from ...core.mesh.body import facing_outwards
 from ...core.mesh.healing import TURNED
-from . import bodies, incoming_mesh, mesh_reader, modifier
-from .bodies_at_rest import armatures
+from ..objects import bodies, incoming_mesh, mesh_reader, modifier
+from ..objects.bodies_at_rest import armatures
 
 SAMPLES = 500  # largest number of vertices that are tested
 NEAR = 0.08  # / the diagonal of the bounding box: the largest distance of a surface under the cloth
