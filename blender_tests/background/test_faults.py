@@ -178,7 +178,7 @@ class SharedMesh(unittest.TestCase):
                         if prepared == "stale":
                             runtime.stale = True
                         elif prepared == "paint":
-                            runtime.paint = None
+                            runtime.paint.values = None
                         elif prepared == "evaluator":
                             runtime.evaluator, runtime.shape = None, ""
                         else:

@@ -107,12 +107,12 @@ class Joined(unittest.TestCase):
     def test_paint_goes_along_and_each_half_keeps_it(self) -> None:
         self.other.vertex_groups.new(name="Rumple Radius").add(range(self.count), 0.25, "REPLACE")
         self.join()
-        painted = runtimes.of(self.obj).paint["radius"]
+        painted = runtimes.of(self.obj).paint.values["radius"]
         np.testing.assert_allclose(painted, np.repeat((0.0, 0.25), self.count))
         bpy.ops.mesh.separate(type="LOOSE")
         sleeve.at(FRAME)
         halves = [obj for obj in bpy.context.scene.objects if modifier.find(obj) is not None]
-        self.assertEqual(sorted(float(runtimes.of(half).paint["radius"].mean()) for half in halves), [0.0, 0.25])
+        self.assertEqual(sorted(float(runtimes.of(half).paint.values["radius"].mean()) for half in halves), [0.0, 0.25])
         self.assertEqual(len({modifier.output_object(modifier.find(half)) for half in halves}), 2)
 
 

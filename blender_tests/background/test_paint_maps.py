@@ -339,7 +339,7 @@ class Listed(unittest.TestCase):
         with mock.patch.object(painted_maps.paint_maps, "numbers", side_effect=AssertionError), \
                 mock.patch.object(mesh_reader, "group_weights", side_effect=AssertionError):
             self.assertEqual(painted_maps.measured(obj)["radius"], (mean, share))
-            runtimes.of(obj).paint = None  # to be read again: the former ones stay meanwhile
+            runtimes.of(obj).paint.values = None  # to be read again: the former ones stay meanwhile
             self.assertEqual(painted_maps.measured(obj)["radius"], (mean, share))
         bpy.ops.object.rumple_paint_invert(group="radius")
         sleeve.at(4)
@@ -352,7 +352,7 @@ class Listed(unittest.TestCase):
         """As while a clip is shown: the timer of the panel reads."""
         obj = sleeve.scene()
         give(obj, uneven(obj))
-        runtimes.of(obj).paint = None
+        runtimes.of(obj).paint.values = None
         self.assertTrue(painted_maps._read_for_panel(obj))
         self.assertAlmostEqual(painted_maps.measured(obj)["radius"][0], float(uneven(obj).mean()), 5)
 

@@ -69,7 +69,7 @@ class Maps(WindowCase):
         yield from self.key("paint_from_border", distance=10.0)
         yield from self.key("paint_invert")
         yield from self.until(lambda: self.weights().min() > 0.9 and np.array_equal(
-            runtimes.of(self.obj).paint["radius"], self.weights()))
+            runtimes.of(self.obj).paint.values["radius"], self.weights()))
         np.testing.assert_array_equal(runtimes.of(self.obj).inputs.paint["radius"], self.weights())
         height = np.linalg.norm(sleeve.attribute(self.obj, "rumple_offset"), axis=1).max()
         yield from self.key("paint_invert")  # 0 nearly everywhere
@@ -163,5 +163,6 @@ class Panel(WindowCase):
         yield 0.3
         with sleeve.context():
             bpy.ops.object.rumple_paint_from_border(group="radius", distance=0.2)
-        yield from self.until(lambda: runtimes.of(obj).measured and "radius" in runtimes.of(obj).measured[1])
-        self.assertIn("radius", runtimes.of(obj).measured[1])
+        paint = runtimes.of(obj).paint
+        yield from self.until(lambda: paint.measured and "radius" in paint.measured[1])
+        self.assertIn("radius", paint.measured[1])

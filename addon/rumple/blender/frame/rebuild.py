@@ -146,7 +146,7 @@ def _update_profile(obj: bpy.types.Object, runtime: Runtime) -> None:
     """Give the materials and the fine mesh the chosen or drawn profile."""
     if obj.rumple.field.profile == "CURVE":
         field_profile.ensure(obj)
-        runtime.paint = None
+        runtime.paint.values = None
         for one in modifier.to_tag(obj):
             one.update_tag()
     for material in field_shader.materials_of(obj):

@@ -104,7 +104,7 @@ def _note_groups(obj: bpy.types.Object) -> None:
     runtime = runtimes.known(obj)
     if runtime is not None and runtime.groups is not None and runtime.groups != [group.name
                                                                                  for group in obj.vertex_groups]:
-        runtime.forget_paint()
+        runtime.paint.forget()
         runtime.groups, runtime.stale = None, True
         scheduler.request(scheduler.DELAY)
 

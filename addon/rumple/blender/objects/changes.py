@@ -23,7 +23,7 @@ def settings_changed(obj: bpy.types.Object, affects: str, structural: bool) -> N
     if runtime.evaluator is not None:
         runtime.evaluator.frame_cache.limit_bytes = obj.rumple.memory_limit << 20
     if affects == "PAINT":
-        runtime.forget_paint()
+        runtime.paint.forget()
     if affects == "BODY":
         bodies.connect_all()  # of all objects: one that was refused because of this one may be valid now
     if structural or modifier.is_baked(modifier.find(obj)):
@@ -82,12 +82,12 @@ def note_updates(depsgraph: bpy.types.Depsgraph) -> None:
             edited = edited or _restacked(obj, runtime, touched)
             if edited or (own is not None and own.data is not None and compat.session_key(own.data) in touched):
                 runtime.stale = True
-                runtime.forget_paint()
+                runtime.paint.forget()
                 scheduler.request(scheduler.DELAY)  # once per stroke, at its end: frames follow the brush
-            elif runtime.paint and compat.session_key(obj) in touched and not scheduler.playing():
-                runtime.paint = None
+            elif runtime.paint.values and compat.session_key(obj) in touched and not scheduler.playing():
+                runtime.paint.values = None
                 if not _animation_alone:
-                    runtime.forget_paint()  # an edit of vertex groups may list only the object, as animation does
+                    runtime.paint.forget()  # an edit of vertex groups may list only the object, as animation does
 
 
 def take_converted() -> bool:
@@ -143,7 +143,7 @@ def _touched_ids(depsgraph: bpy.types.Depsgraph) -> set[int]:
 def note_drawn_profile(obj: bpy.types.Object) -> None:
     """Called by the panel that shows the curve, because Blender does not report edits of curves."""
     runtime = runtimes.of(obj)
-    used = runtime.paint.get("profile") if runtime.paint is not None else None
+    used = runtime.paint.values.get("profile") if runtime.paint.values is not None else None
     if used is not None and not np.array_equal(used, field_profile.heights(obj)):
         runtime.stale = True
         scheduler.request(scheduler.DELAY)

@@ -97,7 +97,7 @@ def ensure(obj: bpy.types.Object, runtime: Runtime, meanwhile: Callable[[], obje
         runtime.refused = _refusable(obj, wanted)
         messages.set_build_error(runtime, messages.of_error(obj, error))
         raise
-    runtime.forget_paint()
+    runtime.paint.forget()
     runtime.shape, runtime.refused, runtime.just_added = wanted, None, False
     runtime.built_with = _properties(obj, now.settings)
     runtime.forget_inputs()  # the former evaluator solved them, so drawing must wait

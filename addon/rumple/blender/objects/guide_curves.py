@@ -73,7 +73,7 @@ def read_again(garment: bpy.types.Object | None) -> None:
     """Mark the guides, so that the next update reads them."""
     runtime = None if garment is None else runtimes.known(garment)
     if runtime is not None:
-        runtime.paint = None
+        runtime.paint.values = None
         garment.update_tag()
 
 
@@ -84,7 +84,7 @@ def note_updates(garment: bpy.types.Object, touched: set[int]) -> None:
     names = [guide.name for guide in found]
     if names != runtime.guides or any(compat.session_key(key) in touched for guide in found
                                       for key in (guide, guide.data)):
-        runtime.guides, runtime.paint = names, None
+        runtime.guides, runtime.paint.values = names, None
         modifier.tag_soon([garment])
 
 

@@ -12,19 +12,18 @@ from typing import Any
 import bpy
 
 from . import mesh_reader, runtimes
-from .runtimes import Runtime
+from .runtimes import Paint
 
 
-def follow(obj: bpy.types.Object, runtime: Runtime, settings: Any) -> None:
-    """Called when runtime.paint was read: compare it with what was read before."""
+def follow(obj: bpy.types.Object, paint: Paint, settings: Any) -> None:
+    """Called when paint.values were read: compare them with what was read before."""
     names = mesh_reader.paint_groups(settings)
     groups = [group.name for group in obj.vertex_groups]
-    in_use = {name for key, name in names.items() if key in runtime.paint}
-    for name in runtime.maps_in_use - in_use:
-        runtime.lost_maps[name] = _new_name(name, runtime.groups_read, groups)
-    runtime.lost_maps = {name: new for name, new in runtime.lost_maps.items()
-                         if name in names.values() and name not in in_use}
-    runtime.maps_in_use, runtime.groups_read = in_use, groups
+    in_use = {name for key, name in names.items() if key in paint.values}
+    for name in paint.in_use - in_use:
+        paint.lost[name] = _new_name(name, paint.groups, groups)
+    paint.lost = {name: new for name, new in paint.lost.items() if name in names.values() and name not in in_use}
+    paint.in_use, paint.groups = in_use, groups
 
 
 def _new_name(name: str, before: list[str], now: list[str]) -> str:
@@ -37,8 +36,8 @@ def forget(obj: bpy.types.Object, name: str) -> None:
     """Called before Rumple removes a map itself."""
     runtime = runtimes.known(obj)
     if runtime is not None:
-        runtime.maps_in_use.discard(name)
-        runtime.lost_maps.pop(name, None)
+        runtime.paint.in_use.discard(name)
+        runtime.paint.lost.pop(name, None)
 
 
 def renamed(obj: bpy.types.Object) -> list[str]:
@@ -55,4 +54,4 @@ def deleted(obj: bpy.types.Object) -> list[str]:
 
 def _lost(obj: bpy.types.Object) -> dict[str, str]:
     runtime = runtimes.known(obj)
-    return {} if runtime is None else runtime.lost_maps
+    return {} if runtime is None else runtime.paint.lost

@@ -84,13 +84,13 @@ def measured(obj: bpy.types.Object) -> dict[str, tuple[float, float]]:
     vertices). If nothing was read since a change, as while a clip is shown, the former numbers are returned, and a
     timer reads the maps once (1 ms per 1,000 vertices).
     """
-    runtime = runtimes.of(obj)
-    if runtime.paint is None:
+    paint = runtimes.of(obj).paint
+    if paint.values is None:
         _read_soon(obj)
-    elif runtime.measured is None or runtime.measured[0] is not runtime.paint:
-        runtime.measured = runtime.paint, {key: paint_maps.numbers(runtime.paint[key], REST[key])
-                                           for key in KEYS if key in runtime.paint}
-    return {} if runtime.measured is None else runtime.measured[1]
+    elif paint.measured is None or paint.measured[0] is not paint.values:
+        paint.measured = paint.values, {key: paint_maps.numbers(paint.values[key], REST[key])
+                                        for key in KEYS if key in paint.values}
+    return {} if paint.measured is None else paint.measured[1]
 
 
 def _read_soon(obj: bpy.types.Object) -> None:
@@ -133,15 +133,15 @@ def stop() -> None:
 # ---------------------------------------------------------------- reading and writing
 def read(obj: bpy.types.Object) -> dict[str, np.ndarray]:
     """The painted maps for the solver, as mesh_reader.paint(). Only what may have changed is read. Raises UserError."""
-    runtime = runtimes.of(obj)
-    if runtime.paint is None:
+    paint = runtimes.of(obj).paint
+    if paint.values is None:
         settings = properties.settings_of(obj, units.scene_of(obj))
         names = mesh_reader.painted_groups(obj, settings)
-        if runtime.weights is None or runtime.weights.keys() != set(names):
-            runtime.weights = mesh_reader.weights_by_name(obj, names)
-        runtime.paint = mesh_reader.paint(obj, settings, runtime.weights)
-        lost_maps.follow(obj, runtime, settings)
-    return runtime.paint
+        if paint.weights is None or paint.weights.keys() != set(names):
+            paint.weights = mesh_reader.weights_by_name(obj, names)
+        paint.values = mesh_reader.paint(obj, settings, paint.weights)
+        lost_maps.follow(obj, paint, settings)
+    return paint.values
 
 
 def weights(obj: bpy.types.Object, painted: PaintedMap) -> np.ndarray:
@@ -251,7 +251,7 @@ def remove(obj: bpy.types.Object, painted: PaintedMap) -> None:
 def touch(obj: bpy.types.Object) -> None:
     """Mark the paint as changed: it is read and solved again."""
     runtime = runtimes.of(obj)
-    runtime.forget_paint()
+    runtime.paint.forget()
     runtime.stale = True
     obj.data.update()
     obj.update_tag()

@@ -36,6 +36,29 @@ class Inputs(FrameRequest):
 
 
 @dataclass
+class Paint:
+    """What is painted for an object, as it was read last."""
+
+    values: dict[str, np.ndarray] | None = None  # by what they are for; None: must be read again
+    weights: dict[str, np.ndarray] | None = None  # those of its vertex groups, by name; None: likewise
+    in_use: set[str] = field(default_factory=set)  # names of the maps that were read last ...
+    groups: list[str] = field(default_factory=list)  # ... and of all vertex groups at that time
+    lost: dict[str, str] = field(default_factory=dict)  # see lost_maps.py: name -> new name, or an empty text
+    steps: tuple[tuple[int, str, str], np.ndarray] | None = None  # see weight_paint.py
+    measured: tuple[dict, dict[str, tuple[float, float]]] | None = None  # see painted_maps.py
+
+    def forget(self) -> None:
+        """Everything must be read again."""
+        self.values = self.weights = None
+
+    def invalidate(self) -> None:
+        """All data of the file may have changed."""
+        self.forget()
+        self.in_use = set()  # undo may take paint back
+        self.lost = {name: new for name, new in self.lost.items() if new}
+
+
+@dataclass
 class Runtime(RuntimeBase):
     """The state of one wrinkled object."""
 
@@ -47,15 +70,9 @@ class Runtime(RuntimeBase):
     plain_scales: tuple = ()  # the values that `scale` depends on, at the last comparison
     just_added: bool = False  # by a click, and nothing is visible yet
     built_with: dict[str, Any] = field(default_factory=dict)  # the properties for which `evaluator` was built
-    paint: dict[str, np.ndarray] | None = None  # None: must be read again
-    weights: dict[str, np.ndarray] | None = None  # those of its vertex groups, by name; None: likewise
-    maps_in_use: set[str] = field(default_factory=set)  # names of the painted maps that were read last ...
-    groups_read: list[str] = field(default_factory=list)  # ... and of all vertex groups at that time
-    lost_maps: dict[str, str] = field(default_factory=dict)  # see lost_maps.py: name -> new name, or an empty text
-    painted_steps: tuple[tuple[int, str, str], np.ndarray] | None = None  # see weight_paint.py
+    paint: Paint = field(default_factory=Paint)
     shows_coarse: bool = False  # the mesh of output_key shows the coarse mesh, not the folds
     asked_for_coarse: bool = False  # by the last redraw
-    measured: tuple[dict, dict[str, tuple[float, float]]] | None = None  # see painted_maps.py
     stack: str = ""  # fingerprint of the modifiers in front, when the incoming mesh was last made
     empty_at: float | None = None  # the last frame in which it showed nothing although its modifier is on
     tried: int = -1  # number of incoming vertices at the last rebuild because of a wrong number
@@ -76,10 +93,6 @@ class Runtime(RuntimeBase):
     frame_seconds: float = 0.0  # duration of the last solved frame, including what comes before; 0: none
     pose: np.ndarray | None = None  # coarse positions read before a rebuild, for the next solve
 
-    def forget_paint(self) -> None:
-        """Everything that is painted must be read again."""
-        self.paint = self.weights = None
-
     def forget_inputs(self) -> None:
         """The last result is of another evaluator or not visible, so the next update must solve."""
         self.inputs = None
@@ -92,9 +105,7 @@ class Runtime(RuntimeBase):
         super().invalidate_output()
 
     def invalidate(self) -> None:
-        self.forget_paint()
-        self.maps_in_use = set()  # undo may take paint back
-        self.lost_maps = {name: new for name, new in self.lost_maps.items() if new}
+        self.paint.invalidate()
         self.stop_building()
         super().invalidate()
 

@@ -64,10 +64,10 @@ def carry_colours(obj: bpy.types.Object, output: bpy.types.Object, fine: ShownMe
     if had is None or had == wanted:
         return False
     steps = output_mesh.weight_steps(fine, weights)
-    of, known = runtime.painted_steps or (None, None)
+    of, known = runtime.paint.steps or (None, None)
     key = compat.session_key(mesh)
     output_mesh.write_steps(output.vertex_groups[name], steps, known if of == (key, name, had) else None)
-    runtime.painted_steps = (key, name, wanted), steps
+    runtime.paint.steps = (key, name, wanted), steps
     carried["groups"][name] = wanted
     mesh[output_mesh.CARRIED_KEY] = json.dumps(carried)
     mesh.update()
