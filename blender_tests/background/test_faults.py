@@ -180,7 +180,7 @@ class SharedMesh(unittest.TestCase):
                         elif prepared == "paint":
                             runtime.paint.values = None
                         elif prepared == "evaluator":
-                            runtime.evaluator, runtime.shape = None, ""
+                            runtime.evaluator, runtime.build.shape = None, ""
                         else:
                             runtime.invalidate()
                         scheduler.sync_all()

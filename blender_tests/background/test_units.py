@@ -52,7 +52,7 @@ class Scale(unittest.TestCase):
             sleeve.at(frame)
             runtimes.of(self.obj).stale = True
             scheduler.sync_all()
-            shapes.append((runtimes.of(self.obj).shape, self.scale_built()))
+            shapes.append((runtimes.of(self.obj).build.shape, self.scale_built()))
         self.assertEqual(shapes, [(shapes[0][0], 1.0)] * 3)
         sleeve.play()
         self.assertFalse(runtimes.of(self.obj).stale)

@@ -213,7 +213,7 @@ class Slow(WindowCase):
         yield from self.make()
         self.obj.rumple.mesh.level = 2
         yield from self.until(self.shown)
-        former = runtimes.of(self.obj).building
+        former = runtimes.of(self.obj).build.running
         self.obj.rumple.mesh.level = 0
         yield 0.5
         self.assertNotIn(former, scheduler.running_builds())

@@ -45,7 +45,7 @@ def follow(obj: bpy.types.Object, runtime: Runtime) -> None:
     if folder is None:
         evaluator.frame_cache.on_disk = None
         return
-    kept, identity = evaluator.frame_cache.on_disk, repr(solved_alike(runtime.shape))
+    kept, identity = evaluator.frame_cache.on_disk, repr(solved_alike(runtime.build.shape))
     if not isinstance(kept, KeptFrames) or (kept.folder, kept.about) != (folder, identity):
         kept = evaluator.frame_cache.on_disk = KeptFrames(evaluator, folder, identity, 0)
     kept.limit_bytes = obj.rumple.disk_limit << 20

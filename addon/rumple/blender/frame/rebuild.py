@@ -71,7 +71,7 @@ def prepare(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier) -> bool:
         return False
     runtime = runtimes.of(obj)
     runtime.stale = False
-    runtime.groups = [group.name for group in obj.vertex_groups]
+    runtime.seen.groups = [group.name for group in obj.vertex_groups]
     with messages.build_errors(obj, runtime):
         changed = _prepare(obj, nodes_mod, runtime)
         messages.set_build_error(runtime, runtime.bake_note)
@@ -133,8 +133,8 @@ def _take_incoming(obj: bpy.types.Object, runtime: Runtime) -> str:
     """Update the incoming mesh. Returns a message if it has other vertices although nobody edited it."""
     before, stack = len(incoming_mesh.of(obj).vertices), incoming_mesh.stack_fingerprint(obj)
     incoming_mesh.update(obj)
-    count, edited = len(incoming_mesh.of(obj).vertices), runtime.stack != stack
-    runtime.stack = stack
+    count, edited = len(incoming_mesh.of(obj).vertices), runtime.seen.stack != stack
+    runtime.seen.stack = stack
     if count == before or edited or incoming_mesh.is_own(obj):
         return ""
     return (f"{obj.name}: the modifier \"{modifier.topology_changer_before(obj).name}\" above the wrinkles makes "

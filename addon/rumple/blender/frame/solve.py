@@ -102,10 +102,9 @@ def _is_late(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier) -> bool:
 def _note_groups(obj: bpy.types.Object) -> None:
     """Detect vertex groups added or removed by scripts, because this tags nothing."""
     runtime = runtimes.known(obj)
-    if runtime is not None and runtime.groups is not None and runtime.groups != [group.name
-                                                                                 for group in obj.vertex_groups]:
+    if runtime is not None and runtime.seen.groups not in (None, [group.name for group in obj.vertex_groups]):
         runtime.paint.forget()
-        runtime.groups, runtime.stale = None, True
+        runtime.seen.groups, runtime.stale = None, True
         scheduler.request(scheduler.DELAY)
 
 
@@ -321,16 +320,16 @@ def _incoming(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier, runtime
         if arriving or in_render or not _evaluate_outputs(nodes_mod, runtime, units.frame_of(depsgraph.scene)):
             _follow_topology(obj, nodes_mod, runtime, arriving, in_render)
     else:
-        runtime.empty_at = None
+        runtime.seen.empty_at = None
     return positions
 
 
 def _evaluate_outputs(nodes_mod: bpy.types.NodesModifier, runtime: Runtime, frame: float) -> bool:
     """Let Blender evaluate the output objects if nothing is shown, once per frame. Blender forgets them if relations
     are rebuilt while the modifier is off or the object is hidden. Returns whether this was requested."""
-    if runtime.empty_at == frame:
+    if runtime.seen.empty_at == frame:
         return False
-    runtime.empty_at = frame
+    runtime.seen.empty_at = frame
     for output in modifier.outputs(nodes_mod):
         output.data.update()
     return True
@@ -343,12 +342,12 @@ def _follow_topology(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier, 
     changer, own = modifier.topology_changer_before(obj), len(incoming_mesh.of(obj).vertices)
     edited = (own != runtime.evaluator.coarse_count or modifier.coarse_vertices(nodes_mod) != own
               or (changer is None and not incoming_mesh.is_own(obj))
-              or runtime.stack != incoming_mesh.stack_fingerprint(obj))
-    if changer is not None and not edited and arriving != own and (in_render or runtime.tried == arriving):
+              or runtime.seen.stack != incoming_mesh.stack_fingerprint(obj))
+    if changer is not None and not edited and arriving != own and (in_render or runtime.seen.tried == arriving):
         raise UserError(f"{obj.name}: the modifier \"{changer.name}\", or another above {nodes_mod.name}, "
                         f"makes another number of vertices here than at rest in the viewport ({own}), so there "
                         "are no wrinkles here: set the same for viewport and renders; where the number changes "
                         f"within the clip, apply it, or move it below {nodes_mod.name}")
     if edited or (changer is not None and arriving != own):  # otherwise this frame was just evaluated
-        runtime.stale, runtime.tried = True, arriving
+        runtime.stale, runtime.seen.tried = True, arriving
         scheduler.request()

@@ -210,7 +210,8 @@ def read(obj: bpy.types.Object, evaluated: bpy.types.Object, depsgraph: bpy.type
         return None
     shown = [body for body, surface in read_now if surface is not None]
     placed = [bodies_at_rest.placing(obj, body) for body in shown]
-    joined = _joined_triangles((compat.session_key(obj), depsgraph.mode), surfaces, (runtimes.of(obj).shape, placed),
+    rest_of = runtimes.of(obj).build.shape, placed
+    joined = _joined_triangles((compat.session_key(obj), depsgraph.mode), surfaces, rest_of,
                                lambda: list(map(bodies_at_rest.of, [obj] * len(shown), shown, surfaces, placed)))
     return Body(np.concatenate([surface.positions for surface in surfaces]), joined.triangles, joined.digest,
                 joined.rest)

@@ -27,7 +27,7 @@ def settings_changed(obj: bpy.types.Object, affects: str, structural: bool) -> N
     if affects == "BODY":
         bodies.connect_all()  # of all objects: one that was refused because of this one may be valid now
     if structural or modifier.is_baked(modifier.find(obj)):
-        runtime.stop_building()
+        runtime.build.stop()
         runtime.stale = True
         scheduler.request(scheduler.DELAY)
     obj.update_tag()
@@ -120,7 +120,7 @@ def _note_moved() -> None:
 def _restacked(obj: bpy.types.Object, runtime: runtimes.Runtime, touched: set[int]) -> bool:
     """Whether the topology-changing modifiers in front were changed."""
     return (not incoming_mesh.is_own(obj) and compat.session_key(obj) in touched and not scheduler.playing()
-            and runtime.stack != incoming_mesh.stack_fingerprint(obj))
+            and runtime.seen.stack != incoming_mesh.stack_fingerprint(obj))
 
 
 _WATCHED = (bpy.types.Mesh, bpy.types.Object, bpy.types.Key, bpy.types.Curve)

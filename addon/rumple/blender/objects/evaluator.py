@@ -74,15 +74,15 @@ def ensure(obj: bpy.types.Object, runtime: Runtime, meanwhile: Callable[[], obje
 
     meanwhile: reads other data from Blender while a thread builds.
     """
-    now = sources(obj)
-    runtime.scale = _scale_of(obj, units.scene_of(obj))
+    now, build = sources(obj), runtime.build
+    runtime.seen.scale = _scale_of(obj, units.scene_of(obj))
     wanted = _wanted(obj, now)
-    begun, runtime.building = runtime.building, None
+    begun, build.running = build.running, None
     if begun is not None and begun.wanted != wanted:
         begun.drop()
-    if runtime.evaluator is not None and runtime.shape == wanted:
+    if runtime.evaluator is not None and build.shape == wanted:
         return
-    if runtime.refused == _refusable(obj, wanted):
+    if build.refused == _refusable(obj, wanted):
         raise UserError(runtime.refusal)
     try:
         if begun is not None and begun.wanted == wanted:
@@ -90,16 +90,16 @@ def ensure(obj: bpy.types.Object, runtime: Runtime, meanwhile: Callable[[], obje
         else:
             evaluator = _built(obj, now, wanted, meanwhile)
         evaluator = _checked(obj, evaluator)
-        if runtime.evaluator is not None and solved_alike(runtime.shape) == solved_alike(wanted):
+        if runtime.evaluator is not None and solved_alike(build.shape) == solved_alike(wanted):
             carry_frames(runtime.evaluator, evaluator)
         runtime.evaluator = evaluator
     except Exception as error:  # any exception, because otherwise every update would try it again
-        runtime.refused = _refusable(obj, wanted)
+        build.refused = _refusable(obj, wanted)
         messages.set_build_error(runtime, messages.of_error(obj, error))
         raise
     runtime.paint.forget()
-    runtime.shape, runtime.refused, runtime.just_added = wanted, None, False
-    runtime.built_with = _properties(obj, now.settings)
+    build.shape, build.refused, build.just_added = wanted, None, False
+    build.properties = _properties(obj, now.settings)
     runtime.forget_inputs()  # the former evaluator solved them, so drawing must wait
     runtime.notes = list(runtime.evaluator.warnings)
     if compat.has_custom_normals(incoming_mesh.of(obj)):
@@ -118,15 +118,15 @@ def _built(obj: bpy.types.Object, now: Sources, wanted: tuple[str, int, int],
 
 def note_scale(obj: bpy.types.Object, runtime: Runtime) -> None:
     """Notice a change of scale of an object, of its parents, or of the bones that move it: it edits no mesh."""
-    scene = units.scene_of(obj)
-    seen, runtime.plain_scales = runtime.plain_scales, (units.plain_scales(obj, scene), rig_scale.plain(obj))
-    if seen == runtime.plain_scales or not units.scale_is_known(obj):
+    scene, seen = units.scene_of(obj), runtime.seen
+    former, seen.plain_scales = seen.plain_scales, (units.plain_scales(obj, scene), rig_scale.plain(obj))
+    if former == seen.plain_scales or not units.scale_is_known(obj):
         return
     found = _scale_of(obj, scene)
-    if runtime.scale not in ("", found):
+    if seen.scale not in ("", found):
         runtime.stale = True
         scheduler.request(scheduler.DELAY)
-    runtime.scale = found
+    seen.scale = found
 
 
 def _scale_of(obj: bpy.types.Object, scene: bpy.types.Scene) -> str:
@@ -141,32 +141,32 @@ def _rounded(unit_scale: float) -> str:
 def begin(obj: bpy.types.Object, runtime: Runtime) -> Building | None:
     """Begin to build in a thread what ensure() needs. Returns None if there is nothing to wait for: it is ready, or
     was built within PATIENCE. Raises UserError."""
-    now = sources(obj)
+    now, build = sources(obj), runtime.build
     wanted = _wanted(obj, now)
-    if wanted == runtime.shape or _refusable(obj, wanted) == runtime.refused:
+    if wanted == build.shape or _refusable(obj, wanted) == build.refused:
         return None
-    if runtime.building is None or runtime.building.wanted != wanted:
-        if runtime.building is not None:
-            runtime.building.drop()
-        runtime.building = Building(obj.name, wanted, _builder(obj, now))
-    return runtime.building if runtime.building.is_running(PATIENCE) else None
+    if build.running is None or build.running.wanted != wanted:
+        if build.running is not None:
+            build.running.drop()
+        build.running = Building(obj.name, wanted, _builder(obj, now))
+    return build.running if build.running.is_running(PATIENCE) else None
 
 
 def cancel(obj: bpy.types.Object, runtime: Runtime) -> str:
     """Stop the build and restore the settings from before it. Returns a message; empty if nothing was being built."""
-    dropped, runtime.building = runtime.building, None
+    dropped, runtime.build.running = runtime.build.running, None
     if dropped is None:
         return ""
     dropped.drop()
     changed = False
-    for path, value in runtime.built_with.items():
+    for path, value in runtime.build.properties.items():
         group, name = _place(obj, path)
         if getattr(group, name) != value:
             setattr(group, name, value)
             changed = True
     if changed:
         return f"{obj.name}: the former folds stay, and the settings are as they were"
-    runtime.refused = _refusable(obj, dropped.wanted)
+    runtime.build.refused = _refusable(obj, dropped.wanted)
     said = f"{obj.name}: Esc stopped the building of its fine mesh: change a setting to start again"
     messages.set_build_error(runtime, said)
     return said

@@ -82,9 +82,9 @@ def note_updates(garment: bpy.types.Object, touched: set[int]) -> None:
     data."""
     runtime, found = runtimes.of(garment), of(garment)
     names = [guide.name for guide in found]
-    if names != runtime.guides or any(compat.session_key(key) in touched for guide in found
-                                      for key in (guide, guide.data)):
-        runtime.guides, runtime.paint.values = names, None
+    if names != runtime.seen.guides or any(compat.session_key(key) in touched for guide in found
+                                           for key in (guide, guide.data)):
+        runtime.seen.guides, runtime.paint.values = names, None
         modifier.tag_soon([garment])
 
 

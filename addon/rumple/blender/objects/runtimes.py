@@ -59,25 +59,46 @@ class Paint:
 
 
 @dataclass
+class Build:
+    """What `evaluator` was built from, and the build that is running."""
+
+    shape: tuple[str, int, int] | None = None  # fingerprint of the inputs of `evaluator`, and its limits
+    properties: dict[str, Any] = field(default_factory=dict)  # those for which `evaluator` was built
+    refused: tuple[str, int, int, int] | None = None  # a shape that failed: not tried again until it changes
+    running: Building | None = None  # will replace `evaluator` when it is ready
+    just_added: bool = False  # by a click, and nothing is visible yet
+
+    def stop(self) -> None:
+        """Discard the result of a running build."""
+        running, self.running = self.running, None
+        if running is not None:
+            running.drop()
+            scheduler.remove_build(running)
+
+
+@dataclass
+class Seen:
+    """What was seen at the last checks, to notice changes that Blender does not report."""
+
+    scale: str = ""  # metres per object unit, at the last check of the fine mesh
+    plain_scales: tuple = ()  # the values that `scale` depends on, at the last comparison
+    stack: str = ""  # fingerprint of the modifiers in front, when the incoming mesh was last made
+    groups: list[str] | None = None  # names of the vertex groups at the last check of the output object
+    guides: list[str] = field(default_factory=list)  # names of the guides at the last search
+    tried: int = -1  # number of incoming vertices at the last rebuild because of a wrong number
+    empty_at: float | None = None  # the last frame in which it showed nothing although its modifier is on
+
+
+@dataclass
 class Runtime(RuntimeBase):
     """The state of one wrinkled object."""
 
     evaluator: engine.Wrinkles | None = None
-    shape: tuple[str, int, int] | None = None  # fingerprint of the inputs of `evaluator`, and its limits
-    refused: tuple[str, int, int, int] | None = None  # a shape that failed: not tried again until it changes
-    building: Building | None = None  # will replace the evaluator when it is ready
-    scale: str = ""  # metres per object unit, at the last check of the fine mesh
-    plain_scales: tuple = ()  # the values that `scale` depends on, at the last comparison
-    just_added: bool = False  # by a click, and nothing is visible yet
-    built_with: dict[str, Any] = field(default_factory=dict)  # the properties for which `evaluator` was built
+    build: Build = field(default_factory=Build)
     paint: Paint = field(default_factory=Paint)
+    seen: Seen = field(default_factory=Seen)
     shows_coarse: bool = False  # the mesh of output_key shows the coarse mesh, not the folds
     asked_for_coarse: bool = False  # by the last redraw
-    stack: str = ""  # fingerprint of the modifiers in front, when the incoming mesh was last made
-    empty_at: float | None = None  # the last frame in which it showed nothing although its modifier is on
-    tried: int = -1  # number of incoming vertices at the last rebuild because of a wrong number
-    guides: list[str] = field(default_factory=list)  # names of the guides at the last search
-    groups: list[str] | None = None  # names of the vertex groups at the last check of the output object
     inputs: Inputs | None = None
     result: engine.FrameResult | engine.PreviewFrame | None = None  # content of the mesh of output_key
     fitting: tuple[int, ...] = ()  # output meshes that were compared with the solved mesh
@@ -106,18 +127,11 @@ class Runtime(RuntimeBase):
 
     def invalidate(self) -> None:
         self.paint.invalidate()
-        self.stop_building()
+        self.build.stop()
         super().invalidate()
 
-    def stop_building(self) -> None:
-        """Discard the result of a building thread."""
-        building, self.building = self.building, None
-        if building is not None:
-            building.drop()
-            scheduler.remove_build(building)
-
     def end(self) -> None:
-        self.stop_building()
+        self.build.stop()
 
 
 _TABLE = RuntimeTable(Runtime)

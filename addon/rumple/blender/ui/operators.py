@@ -185,7 +185,7 @@ class OBJECT_OT_rumple_add(bpy.types.Operator):
         with scheduler.thread_builds_allowed():
             in_thread = rebuild.build_in_thread(obj, nodes_mod)
         if in_thread:
-            runtimes.of(obj).just_added = True
+            runtimes.of(obj).build.just_added = True
             scheduler.request()
         return in_thread
 

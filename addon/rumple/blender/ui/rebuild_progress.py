@@ -52,9 +52,9 @@ class WM_OT_rumple_rebuild_wait(bpy.types.Operator):
         obj = bpy.data.objects.get(build.name)
         runtime = None if obj is None else runtimes.known(obj)
         scheduler.remove_build(build)
-        if runtime is None or runtime.building is not build or modifier.find(obj) is None:
+        if runtime is None or runtime.build.running is not build or modifier.find(obj) is None:
             return
-        if runtime.just_added:
+        if runtime.build.just_added:
             remove(obj)
             note = f"{obj.name}: Esc stopped it, so no wrinkles were added"
         else:
