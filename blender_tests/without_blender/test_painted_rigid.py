@@ -140,14 +140,16 @@ class PaintedRigid(unittest.TestCase):
                 np.testing.assert_allclose(at, kept.positions, atol=1e-6)
 
     def test_rigid_motion_carries_it_along(self) -> None:
-        for name, rounding in (("one layer", 2e-6), ("layers on cloth", 3e-5)):
+        """The last pose alone: a round tube that is pressed together step by step has more than one answer, and
+        roundings choose."""
+        self.poses = self.poses[-1:]
+        for name, (system, settings) in {**BARE, **ON_CLOTH}.items():
             with self.subTest(name):
-                system, settings = {**BARE, **ON_CLOTH}[name]
                 (mesh, still), (_, turned) = (self.play(system, settings, {RIGID: self.rigid}, turn)
                                               for turn in (0.0, 40.0))
                 inside = whole(mesh, self.rigid)
                 np.testing.assert_allclose(turned.positions[inside], rotated(still.positions, 40.0)[inside],
-                                           atol=rounding)
+                                           atol=4e-6)
 
     def test_at_rest_it_is_as_it_was_modelled(self) -> None:
         for name, (system, settings) in BARE.items():
