@@ -323,6 +323,10 @@ TEST(WrinkleMeshLayers, PaintIsCarriedFromLayerToLayer) {
             EXPECT_NEAR(carried[k][v], layer.positions_rest[v].x / 0.4f, 1e-5f) << "layer " << k;
         }
     }
+    // 1 all over was 1 but for a rounding, and folds multiplied it.
+    painted.assign(painted.size(), 0.7f);
+    for (const std::vector<float>& layer : carry_paint(*stack.layers, painted))
+        EXPECT_EQ(layer, std::vector<float>(layer.size(), 0.7f));
 }
 
 // What is shown over the animated mesh is where it was solved.

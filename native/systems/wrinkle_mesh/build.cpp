@@ -314,7 +314,13 @@ std::shared_ptr<const Model> build(Surface base, const Source& source, Attachmen
 }
 
 std::vector<float> carry_paint(const Model& model, std::span<const float> base_values) {
-    return carry(model, base_values);
+    std::vector<float> out = carry(model, base_values);
+    for_each_index(out.size(), kLeastSteps, [&](size_t v) {
+        const auto [a, b, c] = display_vertices(model.base, model.attachments.places[v].triangle);
+        const auto [least, most] = std::minmax({base_values[a], base_values[b], base_values[c]});
+        out[v] = std::clamp(out[v], least, most);
+    });
+    return out;
 }
 
 }  // namespace rumple::wrinkle_mesh

@@ -217,7 +217,7 @@ std::vector<float> attachment_radii(const Model& model, const Settings& settings
     std::vector<float> radii(model.local_edge.size());
     for_each_index(radii.size(), kLeastSteps, [&](size_t v) {
         const float fade = hem_fade(model.border_ring[v], settings.hem_rings);
-        // Paint that was interpolated to a finer mesh may be slightly below 0 by rounding.
+        // The room of hems, carried to a finer mesh, may be slightly below 0 by rounding.
         radii[v] = settings.radius * model.local_edge[v] * std::max(painted(paint.radius, v), 0.0f) * fade;
     });
     return radii;

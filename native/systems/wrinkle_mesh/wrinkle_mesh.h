@@ -144,7 +144,8 @@ std::shared_ptr<const Model> build(Surface base, const Source& source, Attachmen
 // The same for a layer of layers.h: without what only show() needs, and its rest shape does not adapt.
 std::shared_ptr<const Model> build_unshown(Surface base, const Source& source, AttachmentKind attachment);
 
-// Converts painted values of the base's vertices (as the artist has them) to solved vertices.
+// Converts painted values of the base's vertices (as the artist has them) to solved vertices. No rounding
+// takes a value out of the range of those around it: where everything is painted 1 it is 1.
 std::vector<float> carry_paint(const Model& model, std::span<const float> base_values);
 
 // The state from frame to frame (section 4: "we store o_i instead of p_i").
