@@ -28,6 +28,41 @@ float lift_of(const CoverSettings& settings, const PosedCollider& bodies, const 
     return body.weight * std::max(settings.thickness - body.distance, 0.0f);
 }
 
+// Per sample of the surface: how far it must move outwards. before: the lift of every vertex in the pass
+// before. A triangle that did not move then needs no more lift, so it is left out.
+std::vector<float> lifts_of_samples(const Surface& surface, const CoverModel& model,
+                                    const CoverSettings& settings, const PosedCollider& bodies,
+                                    std::span<const Vec3> points, std::span<const Vec3> normals,
+                                    std::span<const float> before, std::span<const Index> hints) {
+    std::vector<float> lift(points.size(), 0.0f);
+    for_each_index(points.size(), kLeastSearches, [&](size_t s) {
+        const SurfacePoint& place = model.samples.places[s];
+        if (place.triangle == kNone) return;
+        const std::array<Index, 3> corners = welded_vertices(surface, place.triangle);
+        if (before[corners[0]] + before[corners[1]] + before[corners[2]] == 0.0f) return;
+        const Index hint = hint_at(surface, place.triangle, hints);
+        if (hint == kNone) return;
+        lift[s] = lift_of(settings, bodies, points[s], interpolate(surface, place, normals),
+                          interpolate(surface, place, surface.positions_rest), hint);
+    });
+    return lift;
+}
+
+// Per vertex: the largest lift of the samples around it.
+std::vector<float> lifts_of_vertices(const Surface& surface, const CoverModel& model,
+                                     std::span<const float> of_samples) {
+    std::vector<float> lift(surface.welded.vertex_count, 0.0f);
+    for (size_t s = 0; s < of_samples.size(); ++s) {
+        if (of_samples[s] == 0.0f) continue;
+        const SurfacePoint& place = model.samples.places[s];
+        const std::array<Index, 3> corners = welded_vertices(surface, place.triangle);
+        const std::array<float, 3> weights = place.weights();
+        for (int k = 0; k < 3; ++k)
+            if (weights[k] > kLeastWeight) lift[corners[k]] = std::max(lift[corners[k]], of_samples[s]);
+    }
+    return lift;
+}
+
 }  // namespace
 
 CoverModel build_cover(const Surface& surface) {
@@ -46,38 +81,16 @@ std::vector<Vec3> lifts_over(const Surface& surface, const CoverModel& model, co
     const size_t vertices = surface.welded.vertex_count, samples = model.samples.places.size();
     const SolveTeam team(0, samples, kLeastSearches);
     std::vector<Vec3> at = weld_positions(surface, positions), normals(vertices), points(samples);
-    std::vector<float> lift(samples);
     std::vector<Vec3> lifts(positions.size(), Vec3(0.0f));
-    // The lifts of the pass before. A triangle that did not move needs no more lift, so the next pass leaves
-    // it out.
-    std::vector<float> before(vertices, 1.0f);
+    std::vector<float> lift(vertices, 1.0f);  // not 0: the first pass leaves out no triangle
     for (int pass = 0; pass < kPasses; ++pass) {
         vertex_normals(surface, at, normals);
         attach(surface, model.samples, at, normals, points);
-        for_each_index(samples, kLeastSearches, [&](size_t s) {
-            const SurfacePoint& place = model.samples.places[s];
-            lift[s] = 0.0f;
-            if (place.triangle == kNone) return;
-            const std::array<Index, 3> corners = welded_vertices(surface, place.triangle);
-            if (before[corners[0]] + before[corners[1]] + before[corners[2]] == 0.0f) return;
-            const Index hint = hint_at(surface, place.triangle, hints);
-            if (hint == kNone) return;
-            lift[s] = lift_of(settings, bodies, points[s], interpolate(surface, place, normals),
-                              interpolate(surface, place, surface.positions_rest), hint);
-        });
-        std::vector<float> more(vertices, 0.0f);
-        for (size_t s = 0; s < samples; ++s) {
-            if (lift[s] == 0.0f) continue;
-            const SurfacePoint& place = model.samples.places[s];
-            const std::array<Index, 3> corners = welded_vertices(surface, place.triangle);
-            const std::array<float, 3> weights = place.weights();
-            for (int k = 0; k < 3; ++k)
-                if (weights[k] > kLeastWeight) more[corners[k]] = std::max(more[corners[k]], lift[s]);
-        }
-        for (size_t v = 0; v < vertices; ++v) at[v] += more[v] * normals[v];
-        before = more;
+        lift = lifts_of_vertices(
+            surface, model, lifts_of_samples(surface, model, settings, bodies, points, normals, lift, hints));
+        for (size_t v = 0; v < vertices; ++v) at[v] += lift[v] * normals[v];
         for (size_t v = 0; v < lifts.size(); ++v)
-            lifts[v] += more[surface.welded_of[v]] * normals[surface.welded_of[v]];
+            lifts[v] += lift[surface.welded_of[v]] * normals[surface.welded_of[v]];
     }
     return lifts;
 }
