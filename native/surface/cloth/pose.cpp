@@ -9,7 +9,6 @@
 #include "base/tolerances.h"
 #include "surface/mesh/positions.h"
 #include "surface/output/attachments.h"
-#include "surface/query/closest_point.h"
 
 namespace rumple::base_cloth {
 namespace {
@@ -99,6 +98,31 @@ std::vector<float> find_free_depth(const Model& model, const Settings& settings,
     return out;
 }
 
+// The animated positions and their tangent frames.
+void place_animated(const Model& model, const Settings& settings, const Paint& paint,
+                    std::span<const Vec3> positions, std::span<const float> room_factor, Pose& pose) {
+    pose.animated = weld_positions(model.surface, positions);
+    if (settings.start_steps > 0)  // else cloth is only moved out of bodies
+        unfold_hems(model.surface, model.near_hems, find_held(model, paint, room_factor),
+                    kFoldReach * settings.tube_radius, pose.animated);
+    pose.normal = vertex_normals(model.surface, pose.animated);
+    for (size_t v = 0; v < pose.animated.size(); ++v) {
+        const Index to = model.frame_to[v];
+        pose.frame.push_back(to == kNone
+                                 ? TriangleFrame{}
+                                 : tangent_frame(pose.normal[v], pose.animated[to] - pose.animated[v]));
+    }
+}
+
+void place_follow(const Model& model, const Settings& settings, const Paint& paint,
+                  std::span<const float> room_factor, Pose& pose) {
+    for (size_t v = 0; v < room_factor.size(); ++v) {
+        const float pinned = painted(paint.follow, model.surface.representative[v], 0.0f);
+        const float follow = settings.follow / room_factor[v];  // as strong at the end of its room
+        pose.follow.push_back(follow + (kPinned - follow) * pinned * pinned * pinned);
+    }
+}
+
 // How far vertices may leave their animated places: what is set and painted, and what hems cover.
 void place_room(const Model& model, const Settings& settings, const Paint& paint, const PosedCollider* bodies,
                 std::span<const BodyContact> under, std::span<const Vec3> smooth, Pose& pose) {
@@ -124,92 +148,6 @@ void place_room(const Model& model, const Settings& settings, const Paint& paint
         const bool slides = room > 0.0f && slide > room && pose.normal[v] != Vec3(0.0f);
         pose.slide_share.push_back(slides ? room / slide : 1.0f);
     }
-}
-
-void place_facets(const Surface& surface, Pose& pose) {
-    pose.facets.resize(surface.triangles.size());
-    for (Index t = 0; t < static_cast<Index>(surface.triangles.size()); ++t) {
-        const auto [a, b, c] = welded_vertices(surface, t);
-        const Vec3 centre = (pose.inner[a] + pose.inner[b] + pose.inner[c]) / 3.0f;
-        float square = 0.0f;
-        for (const Index v : {a, b, c}) {
-            const Vec3 from_centre = pose.inner[v] - centre;
-            square = std::max(square, glm::dot(from_centre, from_centre));
-        }
-        const Lanes ball{centre.x, centre.y, centre.z, std::sqrt(square)};
-        pose.facets[t] = {pose.inner[a], pose.inner[b], pose.inner[c], Row(ball)};
-    }
-}
-
-// ---------------------------------------------------------------- contact
-// Four facets at a time: those of a list from a place on. The last one stands for those beyond its end.
-class FourFacets {
-  public:
-    FourFacets(const Pose& pose, std::span<const Index> list, size_t first)
-        : count_(std::min<size_t>(list.size() - first, kLanes)) {
-        for (size_t k = 0; k < kLanes; ++k) facet_[k] = &pose.facets[list[first + std::min(k, count_ - 1)]];
-    }
-
-    LaneMask present() const {
-        constexpr LaneMask kNumber{0, 1, 2, 3};
-        return kNumber < static_cast<std::int32_t>(count_);
-    }
-    float radius(int k) const { return facet_[k]->ball.xyz[3]; }
-    Lanes radii() const { return Lanes{radius(0), radius(1), radius(2), radius(3)}; }
-    Vec3Lanes centres() const { return all_of(&Pose::Facet::ball); }
-    Vec3Lanes a() const { return all_of(&Pose::Facet::a); }
-    Vec3Lanes b() const { return all_of(&Pose::Facet::b); }
-    Vec3Lanes c() const { return all_of(&Pose::Facet::c); }
-
-  private:
-    Vec3Lanes all_of(Row Pose::Facet::*part) const {
-        return columns(std::array{facet_[0]->*part, facet_[1]->*part, facet_[2]->*part, facet_[3]->*part});
-    }
-
-    size_t count_;
-    std::array<const Pose::Facet*, kLanes> facet_;
-};
-
-// The point of the inner surface nearest to p, found by walking from triangle to triangle.
-Plane nearest_plane(const Model& model, const Pose& pose, const Vec3& p, Index& triangle) {
-    const auto mix = [&](Index t, const Vec3& w, const std::vector<Vec3>& values) {
-        const auto [a, b, c] = welded_vertices(model.surface, t);
-        return mixed(w, values[a], values[b], values[c]);
-    };
-    const auto outside = [](float away, float radius, float least) {
-        const float farther = std::sqrt(least) + radius;
-        return away > farther * farther;
-    };
-    Index best = triangle;
-    const Pose::Facet& home = pose.facets[best];
-    Vec3 weights = closest_weights(p, home.a.vec(), home.b.vec(), home.c.vec());
-    const Vec3 to = p - mix(best, weights, pose.inner);
-    float least = glm::dot(to, to);
-    const Vec3Lanes at(p);
-    for (Index from = kNone; from != best;) {
-        from = best;
-        const Index begin = model.near.start[from], end = model.near.start[from + 1];
-        const std::span<const Index> near(&model.near.triangle[begin], size_t(end - begin));
-        for (size_t first = 0; first < near.size(); first += kLanes) {
-            const FourFacets facets(pose, near, first);
-            const Vec3Lanes from_centre = at - facets.centres();
-            const Lanes away = dot(from_centre, from_centre), farther = std::sqrt(least) + facets.radii();
-            const LaneMask close = ~(away > farther * farther) & facets.present();
-            if (bits_of(close) == 0) continue;
-            const Vec3Lanes a = facets.a(), b = facets.b(), c = facets.c();
-            const Vec3Lanes w = closest_weights(at, a, b, c), way = at - mixed(w, a, b, c);
-            const Lanes squared = dot(way, way);
-            for_each_true(close, [&](int k) {
-                if (outside(away[k], facets.radius(k), least)) return;  // one of the four is nearer
-                if (!(squared[k] < least)) return;  // what is no number is no way: the walk ends
-                least = squared[k];
-                best = near[first + size_t(k)];
-                weights = w.at(k);
-            });
-        }
-    }
-    triangle = best;
-    return {mix(best, weights, pose.inner), direction_of_normals(mix(best, weights, pose.normal))};
 }
 
 // Of every vertex the plane that keeps it before a body in front: an arm beside a flank. The animated garment
@@ -256,6 +194,44 @@ void keep_inner_parts_inside(const Model& model, const Settings& settings, Pose&
         pose.ahead_height[v] = outwards;
         pose.ahead[v] = {pose.animated[v] + outwards * pose.normal[v], -pose.normal[v]};
     }
+}
+
+// The room of every vertex, and the inner surface and bodies in front that bound it.
+void place_bounds(const Model& model, const Settings& settings, const Paint& paint,
+                  std::span<const float> room_factor, const PosedCollider* bodies,
+                  std::vector<Index>& body_hint, Pose& pose) {
+    std::vector<Vec3> smooth(pose.animated.size());
+    apply<Vec3>(model.limit, pose.animated, smooth);
+    Clearance found = clearance(model.clearance, settings.clearance, smooth, pose.normal,
+                                find_free_depth(model, settings, room_factor), bodies, body_hint);
+    place_room(model, settings, paint, bodies, found.bodies, smooth, pose);
+    pose.clearance = std::move(found.inwards);
+    pose.body_known = found.known;
+    keep_outer_parts_outside(model, settings, pose);
+    for (size_t v = 0; v < pose.animated.size(); ++v)
+        pose.inner.push_back(pose.animated[v] - pose.clearance[v] * pose.normal[v]);
+    place_facets(model.surface, pose);
+    look_ahead(settings, bodies, pose);
+    keep_inner_parts_inside(model, settings, pose);
+}
+
+void place_springs(const Model& model, const Settings& settings, const Paint& paint,
+                   std::span<const float> room_factor, Pose& pose) {
+    const std::vector<float> of_smoothing = find_shares_of_smoothing(model, settings, paint);
+    pose.length.reserve(model.springs.size());
+    for (const Model::Spring& spring : model.springs) {
+        const Vec3 along = pose.animated[spring.b] - pose.animated[spring.a];
+        pose.length.push_back(glm::length(along));
+        pose.rest_length.push_back(slack_along(settings, along) * spring.rest);
+        const float loose = std::min(room_factor[spring.a], room_factor[spring.b]);
+        const float compression_scale = share_of_curvature(settings, spring.curvature) / std::sqrt(loose);
+        pose.compression_scale.push_back(compression_scale);
+        pose.smoothing.push_back(settings.smoothing * compression_scale *
+                                 std::min(of_smoothing[spring.a], of_smoothing[spring.b]));
+    }
+    pose.rest_length.resize(in_fours(pose.rest_length.size()));
+    pose.compression_scale.resize(pose.rest_length.size());
+    pose.smoothing.resize(pose.rest_length.size());
 }
 
 // Stays outside of the inner surface, before what is ahead, and within the room around the animated place.
@@ -319,71 +295,14 @@ double mean_length(const Model& model) {
 
 Pose make_pose(const Model& model, const Settings& settings, const Paint& paint,
                std::span<const Vec3> positions, const PosedCollider* bodies, std::vector<Index>& body_hint) {
-    const Surface& surface = model.surface;
-    check_frame(surface, positions);
-    const size_t vertices = surface.welded.vertex_count;
+    check_frame(model.surface, positions);
     const std::vector<float> room_factor = find_room_factors(model, paint);
     Pose pose;
-    pose.animated = weld_positions(surface, positions);
-    if (settings.start_steps > 0)  // else cloth is only moved out of bodies
-        unfold_hems(surface, model.near_hems, find_held(model, paint, room_factor),
-                    kFoldReach * settings.tube_radius, pose.animated);
-    pose.normal = vertex_normals(surface, pose.animated);
-    for (size_t v = 0; v < vertices; ++v) {
-        const Index to = model.frame_to[v];
-        pose.frame.push_back(to == kNone
-                                 ? TriangleFrame{}
-                                 : tangent_frame(pose.normal[v], pose.animated[to] - pose.animated[v]));
-        const float pinned = painted(paint.follow, surface.representative[v], 0.0f);
-        const float follow = settings.follow / room_factor[v];  // as strong at the end of its room
-        pose.follow.push_back(follow + (kPinned - follow) * pinned * pinned * pinned);
-    }
-    std::vector<Vec3> smooth(vertices);
-    apply<Vec3>(model.limit, pose.animated, smooth);
-    Clearance found = clearance(model.clearance, settings.clearance, smooth, pose.normal,
-                                find_free_depth(model, settings, room_factor), bodies, body_hint);
-    place_room(model, settings, paint, bodies, found.bodies, smooth, pose);
-    pose.clearance = std::move(found.inwards);
-    pose.body_known = found.known;
-    keep_outer_parts_outside(model, settings, pose);
-    for (size_t v = 0; v < vertices; ++v)
-        pose.inner.push_back(pose.animated[v] - pose.clearance[v] * pose.normal[v]);
-    place_facets(model.surface, pose);
-    look_ahead(settings, bodies, pose);
-    keep_inner_parts_inside(model, settings, pose);
-    const std::vector<float> of_smoothing = find_shares_of_smoothing(model, settings, paint);
-    pose.length.reserve(model.springs.size());
-    for (const Model::Spring& spring : model.springs) {
-        const Vec3 along = pose.animated[spring.b] - pose.animated[spring.a];
-        pose.length.push_back(glm::length(along));
-        pose.rest_length.push_back(slack_along(settings, along) * spring.rest);
-        const float loose = std::min(room_factor[spring.a], room_factor[spring.b]);
-        const float compression_scale = share_of_curvature(settings, spring.curvature) / std::sqrt(loose);
-        pose.compression_scale.push_back(compression_scale);
-        pose.smoothing.push_back(settings.smoothing * compression_scale *
-                                 std::min(of_smoothing[spring.a], of_smoothing[spring.b]));
-    }
-    pose.rest_length.resize(in_fours(pose.rest_length.size()));
-    pose.compression_scale.resize(pose.rest_length.size());
-    pose.smoothing.resize(pose.rest_length.size());
+    place_animated(model, settings, paint, positions, room_factor, pose);
+    place_follow(model, settings, paint, room_factor, pose);
+    place_bounds(model, settings, paint, room_factor, bodies, body_hint, pose);
+    place_springs(model, settings, paint, room_factor, pose);
     return pose;
-}
-
-void move_to(const Model& model, const Pose& pose, std::vector<Vec3> animated, Pose& moved) {
-    for (size_t v = 0; v < animated.size(); ++v) {
-        const Vec3 displacement = animated[v] - pose.animated[v];
-        moved.inner[v] = pose.inner[v] + displacement;
-        moved.ahead[v].point = pose.ahead[v].point + displacement;
-    }
-    moved.animated = std::move(animated);
-    place_facets(model.surface, moved);
-}
-
-void look_for_contacts(const Model& model, const Pose& pose, std::span<const Vec3> positions,
-                       std::vector<Index>& hints, std::vector<Plane>& planes) {
-    for_each_index(positions.size(), kLeastSearches, [&](size_t v) {
-        if (hints[v] != kNone) planes[v] = nearest_plane(model, pose, positions[v], hints[v]);
-    });
 }
 
 void finish(const Model& model, const Settings& settings, const Pose& pose, std::span<const Plane> planes,

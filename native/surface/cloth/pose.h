@@ -77,6 +77,9 @@ double mean_length(const Model& model);
 Pose make_pose(const Model& model, const Settings& settings, const Paint& paint,
                std::span<const Vec3> positions, const PosedCollider* bodies, std::vector<Index>& body_hint);
 
+// Makes the triangles of the inner surface from its vertices.
+void place_facets(const Surface& surface, Pose& pose);
+
 // Moves the vertices of a pose and its inner surface with them, without rotation. moved: a copy of the pose,
 // which may have been moved before.
 void move_to(const Model& model, const Pose& pose, std::vector<Vec3> animated, Pose& moved);
