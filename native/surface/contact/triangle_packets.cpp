@@ -67,54 +67,58 @@ PacketHierarchy build_packets(std::span<const Vec3> centres) {
 PosedPackets::PosedPackets(const PacketHierarchy& hierarchy, std::span<const Row> positions,
                            std::span<const std::array<Index, 3>> triangles, std::span<const Row> normals)
     : hierarchy_(hierarchy), packets_(hierarchy.packets.size()), nodes_(hierarchy.nodes.size()) {
-    struct Volume {
-        Box place, normal;
-
-        void add(const Volume& other) {
-            place.add(other.place);
-            normal.add(other.normal);
-        }
-    };
-    std::vector<Volume> of_packet(packets_.size());
+    std::vector<Volume> of_packet(packets_.size()), of_node(nodes_.size());
     for_each_index(packets_.size(), kLeastSteps, [&](size_t packet) {
-        Volume& volume = of_packet[packet];
-        std::array<Row, kLanes> corner[3], normal;
-        for (int k = 0; k < kLanes; ++k) {
-            const Index t = hierarchy.packets[packet][k];
-            for (int i = 0; i < 3; ++i)
-                corner[i][k] = t == kNone ? Row(all_lanes(kInfinitelyFar)) : positions[triangles[t][i]];
-            if (t == kNone) continue;
-            normal[k] = normals[t];
-            for (int i = 0; i < 3; ++i) volume.place.add(corner[i][k]);
-            volume.normal.add(normal[k]);
-        }
-        packets_[packet] = {columns(corner[0]), columns(corner[1]), columns(corner[2]), columns(normal)};
+        of_packet[packet] = place_packet(packet, positions, triangles, normals);
     });
-    std::vector<Volume> of_node(nodes_.size());
-    const auto enclose_children = [&](size_t n) {
-        std::array<Volume, kLanes> of_child;
-        for (int k = 0; k < kLanes; ++k) {
-            const Index child = hierarchy.nodes[n].child[k];
-            if (child == PacketHierarchy::kEmpty) continue;
-            of_child[k] = child < 0 ? of_packet[-1 - child] : of_node[child];
-            of_node[n].add(of_child[k]);
-        }
-        const auto boxes = [&](Box Volume::*box) {
-            std::array<Row, kLanes> low, high;
-            for (int k = 0; k < kLanes; ++k) {
-                low[k] = (of_child[k].*box).low;
-                high[k] = (of_child[k].*box).high;
-            }
-            return Boxes{columns(low), columns(high)};
-        };
-        nodes_[n] = {boxes(&Volume::place), std::bit_cast<LaneMask>(hierarchy.nodes[n].child),
-                     boxes(&Volume::normal)};
-    };
     for (size_t level = hierarchy.level_start.size(); level-- > 1;) {
         const auto first = size_t(hierarchy.level_start[level - 1]),
                    end = size_t(hierarchy.level_start[level]);
-        for_each_index(end - first, kLeastNodes, [&](size_t i) { enclose_children(first + i); });
+        for_each_index(end - first, kLeastNodes,
+                       [&](size_t i) { of_node[first + i] = place_node(first + i, of_packet, of_node); });
     }
+}
+
+PosedPackets::Volume PosedPackets::place_packet(size_t packet, std::span<const Row> positions,
+                                                std::span<const std::array<Index, 3>> triangles,
+                                                std::span<const Row> normals) {
+    Volume volume;
+    std::array<Row, kLanes> corner[3], normal;
+    for (int k = 0; k < kLanes; ++k) {
+        const Index t = hierarchy_.packets[packet][k];
+        for (int i = 0; i < 3; ++i)
+            corner[i][k] = t == kNone ? Row(all_lanes(kInfinitelyFar)) : positions[triangles[t][i]];
+        if (t == kNone) continue;
+        normal[k] = normals[t];
+        for (int i = 0; i < 3; ++i) volume.place.add(corner[i][k]);
+        volume.normal.add(normal[k]);
+    }
+    packets_[packet] = {columns(corner[0]), columns(corner[1]), columns(corner[2]), columns(normal)};
+    return volume;
+}
+
+PosedPackets::Volume PosedPackets::place_node(size_t node, std::span<const Volume> of_packet,
+                                              std::span<const Volume> of_node) {
+    Volume volume;
+    std::array<Volume, kLanes> of_child;
+    for (int k = 0; k < kLanes; ++k) {
+        const Index child = hierarchy_.nodes[node].child[k];
+        if (child == PacketHierarchy::kEmpty) continue;
+        of_child[k] = child < 0 ? of_packet[-1 - child] : of_node[child];
+        volume.place.add(of_child[k].place);
+        volume.normal.add(of_child[k].normal);
+    }
+    const auto boxes = [&](Box Volume::*box) {
+        std::array<Row, kLanes> low, high;
+        for (int k = 0; k < kLanes; ++k) {
+            low[k] = (of_child[k].*box).low;
+            high[k] = (of_child[k].*box).high;
+        }
+        return Boxes{columns(low), columns(high)};
+    };
+    nodes_[node] = {boxes(&Volume::place), std::bit_cast<LaneMask>(hierarchy_.nodes[node].child),
+                    boxes(&Volume::normal)};
+    return volume;
 }
 
 }  // namespace rumple

@@ -82,6 +82,14 @@ class PosedPackets {
         LaneMask child;  // as in PacketHierarchy
         Boxes normals;
     };
+    struct Volume {  // of a packet, or of all packets below a node
+        Box place, normal;
+    };
+
+    // Fill in a packet, or a node from the volumes of its children, and return its volume.
+    Volume place_packet(size_t packet, std::span<const Row> positions,
+                        std::span<const std::array<Index, 3>> triangles, std::span<const Row> normals);
+    Volume place_node(size_t node, std::span<const Volume> of_packet, std::span<const Volume> of_node);
 
     const PacketHierarchy& hierarchy_;
     std::vector<Packet> packets_;

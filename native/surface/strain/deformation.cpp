@@ -51,6 +51,38 @@ Vec2 turn_between(const TriangleFrame& triangle, const Vec3& vertex_normal, cons
     return length > 0.0f ? turn / length : Vec2(1.0f, 0.0f);
 }
 
+// Per welded vertex: its corners, as triangle x 3 + corner.
+std::vector<std::vector<Index>> corners_at_vertices(const Surface& surface) {
+    std::vector<std::vector<Index>> out(surface.welded.vertex_count);
+    for (Index t = 0; t < static_cast<Index>(surface.triangles.size()); ++t) {
+        for (Index k = 0; k < 3; ++k) out[welded_vertices(surface, t)[k]].push_back(3 * t + k);
+    }
+    return out;
+}
+
+// The frame of a vertex, and the weights and rotations of its corners. frames, area: of the triangles.
+void add_vertex(std::span<const Index> corners, std::span<const TriangleFrame> frames,
+                std::span<const float> area, StretchModel& model) {
+    Vec3 normal_sum(0.0f);
+    float area_sum = 0.0f;
+    for (const Index corner : corners) {
+        normal_sum += area[corner / 3] * frames[corner / 3].normal;
+        area_sum += area[corner / 3];
+    }
+    const float length = glm::length(normal_sum);
+    const Vec3 normal = length > 0.0f ? normal_sum / length : Vec3(0, 0, 1);
+    const Vec3 tangent = formulas::any_tangent(normal);
+    model.vertex_tangent.push_back(tangent);
+    for (const Index corner : corners) {
+        const Index t = corner / 3;
+        if (area[t] <= 0.0f) continue;
+        const Vec2 turn = turn_between(frames[t], normal, tangent);
+        model.triangle_transport[corner] = turn;
+        model.corners.push_back({t, area[t] / area_sum, turn});
+    }
+    model.corner_start.push_back(static_cast<Index>(model.corners.size()));
+}
+
 }  // namespace
 
 Tensor2 rotated(const Tensor2& t, const Vec2& turn) {
@@ -76,44 +108,22 @@ Principal principal(const Tensor2& t) {
 }
 
 StretchModel build_stretch(const Surface& surface) {
-    const Index triangles = static_cast<Index>(surface.triangles.size());
-    const Index vertices = surface.welded.vertex_count;
+    const size_t triangles = surface.triangles.size();
     StretchModel model;
     std::vector<TriangleFrame> frames(triangles);
     std::vector<float> area(triangles);
-    std::vector<Vec3> normals(vertices, Vec3(0.0f));
-    std::vector<float> vertex_area(vertices, 0.0f);
-    std::vector<std::vector<Index>> incident(vertices);  // triangle x 3 + corner
     model.inverse_rest.assign(triangles, glm::mat2(0.0f));
-    for (Index t = 0; t < triangles; ++t) {
+    for (size_t t = 0; t < triangles; ++t) {
         const Corners c = corners_of(surface, surface.positions_rest, surface.triangles[t]);
         frames[t] = triangle_frame(c.p[0], c.p[1], c.p[2]);
         const glm::mat2 edges = edges_in_frame(c, frames[t]);
         area[t] = 0.5f * glm::determinant(edges);
         if (area[t] > 0.0f) model.inverse_rest[t] = glm::inverse(edges);
-        for (Index k = 0; k < 3; ++k) {
-            const Index v = welded_vertices(surface, t)[k];
-            normals[v] += area[t] * frames[t].normal;
-            vertex_area[v] += area[t];
-            incident[v].push_back(3 * t + k);
-        }
     }
     model.triangle_transport.assign(3 * triangles, Vec2(1.0f, 0.0f));
     model.corner_start.push_back(0);
-    for (Index v = 0; v < vertices; ++v) {
-        const float length = glm::length(normals[v]);
-        const Vec3 normal = length > 0.0f ? normals[v] / length : Vec3(0, 0, 1);
-        const Vec3 tangent = formulas::any_tangent(normal);
-        model.vertex_tangent.push_back(tangent);
-        for (const Index corner : incident[v]) {
-            const Index t = corner / 3;
-            if (area[t] <= 0.0f) continue;
-            const Vec2 turn = turn_between(frames[t], normal, tangent);
-            model.triangle_transport[corner] = turn;
-            model.corners.push_back({t, area[t] / vertex_area[v], turn});
-        }
-        model.corner_start.push_back(static_cast<Index>(model.corners.size()));
-    }
+    for (const std::vector<Index>& corners : corners_at_vertices(surface))
+        add_vertex(corners, frames, area, model);
     return model;
 }
 
