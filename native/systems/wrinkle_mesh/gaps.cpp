@@ -26,8 +26,23 @@ float gap_above(const BodyContact& body, float thickness, float edge, float unkn
     return glm::mix(unknown, cone, smooth_step(-edge, -0.5f * edge, body.distance));
 }
 
-// Least cosine between cloth and body. At a smaller one, a vertex does not move out any farther.
-constexpr float kMostAslant = 0.5f;
+// The gap of a vertex: that of the base, or the gap over a body near it. Fills in its Pose::body and floor.
+float find_gap(const Model& model, const Input& input, size_t v, float of_base, Pose& pose) {
+    const SurfacePoint& place = model.attachments.places[v];
+    const Index hint = input.bodies ? hint_at(model.base, place.triangle, input.body_hint) : kNone;
+    if (hint == kNone) return of_base;
+    const float off = input.thickness + input.inner;
+    const float reach = kBodyReach * model.local_edge[v] + off;
+    const BodyContact body =
+        input.bodies->closest_around(pose.attachment[v], pose.normal[v], reach, hint,
+                                     interpolate(model.base, place, model.base.positions_rest));
+    pose.body[v] = body.triangle;
+    if (body.triangle == kNone) return of_base;
+    // The normal of the body replaces the cloth's own normal. Otherwise cloth that slides over a heel would
+    // enter it.
+    if (!body.border) pose.floor[v] = glm::normalize(glm::mix(pose.normal[v], body.normal, body.weight));
+    return gap_above(body, off, model.local_edge[v], of_base);
+}
 
 // Share of the thickness: how much lower the shown surface may be between vertices and still be off a body.
 constexpr float kMostSunk = 0.5f;
@@ -47,50 +62,40 @@ void lower_gaps_of_surface(const Model& model, float thickness, Pose& pose) {
     for (size_t v = 0; v < sunk.size(); ++v) pose.gap[v] -= std::max(sunk[v] - kMostSunk * thickness, 0.0f);
 }
 
+// Least cosine between cloth and body. At a smaller one, a vertex does not move out any farther.
+constexpr float kMostAslant = 0.5f;
+
+// Moves attachments that are inside a body out of it. A gap is measured along the body's normal, but cloth
+// may move out in another direction, and then it moves farther. This is not needed if the next layer searches
+// again, or if the layer below was already put out of bodies.
+void move_out(const Input& input, Pose& pose) {
+    const bool only_look = input.bodies && input.shown && !input.looked_below;
+    for_each_index(pose.attachment.size(), kLeastSteps, [&](size_t v) {
+        const float gap = pose.gap[v];
+        const float out = only_look ? std::max(glm::dot(pose.normal[v], pose.floor[v]), kMostAslant) : 1.0f;
+        if (gap < 0.0f) pose.attachment[v] -= gap / out * pose.normal[v];
+        pose.gap[v] = std::max(gap, 0.0f);
+    });
+}
+
 }  // namespace
 
 void find_gaps(const Model& model, const Input& input, Pose& pose) {
     if (input.gap.empty()) return;
     expect_count("gap", input.gap.size(), model.base.display.vertex_count, "values");
-    if (input.bodies)
-        expect_count("body_hint", input.body_hint.size(), model.base.display.vertex_count, "values");
-    const float off = input.thickness + input.inner;
-    pose.gap.assign(pose.attachment.size(), 0.0f);
     if (input.bodies) {
+        expect_count("body_hint", input.body_hint.size(), model.base.display.vertex_count, "values");
         pose.body.assign(pose.attachment.size(), kNone);
         pose.floor = pose.normal;
     }
-    const std::vector<float> gaps = gaps_at(model.base, model.attachments, input.gap);
+    pose.gap.assign(pose.attachment.size(), 0.0f);
+    const std::vector<float> of_base = gaps_at(model.base, model.attachments, input.gap);
     for_each_index(pose.attachment.size(), input.bodies ? kLeastSearches : kLeastSteps, [&](size_t v) {
-        const SurfacePoint& place = model.attachments.places[v];
-        if (place.triangle == kNone) return;
-        float gap = gaps[v];
-        const Index hint = input.bodies ? hint_at(model.base, place.triangle, input.body_hint) : kNone;
-        if (hint != kNone) {
-            const float reach = kBodyReach * model.local_edge[v] + off;
-            const BodyContact body =
-                input.bodies->closest_around(pose.attachment[v], pose.normal[v], reach, hint,
-                                             interpolate(model.base, place, model.base.positions_rest));
-            if (body.triangle != kNone) gap = gap_above(body, off, model.local_edge[v], gap);
-            pose.body[v] = body.triangle;
-            // The normal of the body replaces the cloth's own normal. Otherwise cloth that slides over a heel
-            // would enter it.
-            if (body.triangle != kNone && !body.border)
-                pose.floor[v] = glm::normalize(glm::mix(pose.normal[v], body.normal, body.weight));
-        }
-        pose.gap[v] = gap;
+        if (model.attachments.places[v].triangle != kNone)
+            pose.gap[v] = find_gap(model, input, v, of_base[v], pose);
     });
     if (input.bodies && input.shown) lower_gaps_of_surface(model, input.thickness, pose);
-    const bool only_look = input.bodies && input.shown && !input.looked_below;
-    for_each_index(pose.attachment.size(), kLeastSteps, [&](size_t v) {
-        const float gap = pose.gap[v];
-        // A gap is measured along the body's normal, but cloth may move out in another direction, and then it
-        // moves farther. This is not needed if the next layer searches again, or if the layer below was
-        // already put out of bodies.
-        const float out = only_look ? std::max(glm::dot(pose.normal[v], pose.floor[v]), kMostAslant) : 1.0f;
-        if (gap < 0.0f) pose.attachment[v] -= gap / out * pose.normal[v];
-        pose.gap[v] = std::max(gap, 0.0f);
-    });
+    move_out(input, pose);
 }
 
 std::vector<float> share_to_spare(const Input& input) {

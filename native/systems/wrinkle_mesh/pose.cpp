@@ -102,6 +102,52 @@ std::vector<float> compression_limits(const Model& model, const Settings& settin
     return limits;
 }
 
+// The mean of a value at both vertices of pairs; 1 without values.
+Lanes mean_of(const std::vector<float>& values, const Pairs& pairs, size_t first, size_t count) {
+    Lanes sum = all_lanes(2.0f);
+    for (size_t k = 0; k < count && !values.empty(); ++k)
+        sum[k] = values[pairs.a[first + k]] + values[pairs.b[first + k]];
+    return 0.5f * sum;
+}
+
+// The share of the pre-stretch that counts. The extra width of cloth counts only where there is room for it.
+// It does not count in cloth that hangs free, which has enough width there.
+Lanes share_of_prestretch(const Settings& settings, const Paint& paint, const Pose& pose, const Pairs& pairs,
+                          size_t first, size_t count) {
+    const Lanes painted = mean_of(paint.prestretch, pairs, first, count);
+    if (settings.prestretch <= 1.0f) return painted;
+    return painted * (mean_of(pose.to_spare, pairs, first, count) * mean_of(paint.worn, pairs, first, count));
+}
+
+// target_length() of all pairs of one kind. unwrinkled: rows of Pose::unwrinkled. limits: from
+// compression_limits(). lengths, rest_scales: of these pairs; rest_scales may be empty.
+std::vector<float> target_lengths(const Settings& settings, const Paint& paint, const Pose& pose,
+                                  const std::vector<Row>& unwrinkled, const std::vector<float>& limits,
+                                  const Pairs& pairs, std::span<const float> lengths,
+                                  std::span<const float> rest_scales) {
+    const bool by_tension = settings.taut_range > 0.0f && !pose.unwrinkled.empty();
+    const bool straight_only = !pose.spare.empty();
+    std::vector<float> out(pairs.size());
+    for_each_four_shared(pairs.size(), [&](size_t first, size_t count) {
+        Lanes rest = load_lanes(&pairs.rest[first], count);
+        if (!rest_scales.empty()) rest = load_lanes(&rest_scales[first], count) * rest;
+        const Lanes length = load_lanes(&lengths[first], count);
+        const Lanes share = share_of_prestretch(settings, paint, pose, pairs, first, count);
+        const Vec3Lanes way =
+            by_tension || straight_only ? ways_along(pairs, unwrinkled, first, count) : Vec3Lanes();
+        const Lanes s =
+            by_tension ? pre_stretch(settings, share, way, rest) : most_pre_stretch(settings, share);
+        const Lanes limit =
+            limits.empty() ? all_lanes(settings.compression_limit) : mean_of(limits, pairs, first, count);
+        Lanes target = target_length(settings, limit, s, rest, length);
+        if (straight_only)
+            target =
+                mix(target, least(target, length), share_without_place(pairs, pose.spare, way, first, count));
+        store_lanes(target, &out[first], count);
+    });
+    return out;
+}
+
 }  // namespace
 
 TriangleFrame smooth_frame(const TriangleFrame& triangle, const Vec3& interpolated_normal) {
@@ -244,50 +290,18 @@ std::vector<float> pair_lengths(const Model& model, std::span<const Vec3> positi
 Targets make_targets(const Model& model, const Settings& settings, const Paint& paint,
                      std::span<const float> lengths, const Pose& pose,
                      const std::vector<float>& rest_scales) {
-    Targets targets;
-    const auto both = [](const std::vector<float>& values, const Pairs& pairs, size_t first, size_t count) {
-        Lanes sum = all_lanes(2.0f);
-        for (size_t k = 0; k < count && !values.empty(); ++k)
-            sum[k] = values[pairs.a[first + k]] + values[pairs.b[first + k]];
-        return 0.5f * sum;
-    };
-    // The extra width of cloth counts only where there is room for it. It does not count in cloth that hangs
-    // free, which has enough width there.
-    const auto spare_at = [&](const Pairs& pairs, size_t first, size_t count) {
-        if (settings.prestretch <= 1.0f) return all_lanes(1.0f);
-        return both(pose.to_spare, pairs, first, count) * both(paint.worn, pairs, first, count);
-    };
     const std::vector<float> limits = compression_limits(model, settings, pose);
-    const auto limit_at = [&](const Pairs& pairs, size_t first, size_t count) {
-        return limits.empty() ? all_lanes(settings.compression_limit) : both(limits, pairs, first, count);
+    const std::vector<Row> unwrinkled = to_rows(pose.unwrinkled);
+    const auto targets_of = [&](const Pairs& pairs, size_t begin) {
+        const std::span<const float> scales(rest_scales);
+        return target_lengths(settings, paint, pose, unwrinkled, limits, pairs,
+                              lengths.subspan(begin, pairs.size()),
+                              scales.empty() ? scales : scales.subspan(begin, pairs.size()));
     };
-    const bool by_tension = settings.taut_range > 0.0f && !pose.unwrinkled.empty();
-    const bool straight_only = !pose.spare.empty();
-    const std::vector<Row> rows = to_rows(pose.unwrinkled);
-    const auto fill = [&](const Pairs& pairs, size_t begin, std::vector<float>& out) {
-        out.resize(pairs.size());
-        for_each_four_shared(pairs.size(), [&](size_t first, size_t count) {
-            Lanes rest = load_lanes(&pairs.rest[first], count);
-            if (!rest_scales.empty()) rest = load_lanes(&rest_scales[begin + first], count) * rest;
-            const Lanes length = load_lanes(&lengths[begin + first], count);
-            const Lanes painted_here =
-                both(paint.prestretch, pairs, first, count) * spare_at(pairs, first, count);
-            const Vec3Lanes way =
-                by_tension || straight_only ? ways_along(pairs, rows, first, count) : Vec3Lanes();
-            const Lanes s = by_tension ? pre_stretch(settings, painted_here, way, rest)
-                                       : most_pre_stretch(settings, painted_here);
-            Lanes target = target_length(settings, limit_at(pairs, first, count), s, rest, length);
-            if (straight_only)
-                target = mix(target, least(target, length),
-                             share_without_place(pairs, pose.spare, way, first, count));
-            store_lanes(target, &out[first], count);
-        });
-    };
-    fill(model.distance, 0, targets.distance);
-    fill(model.bending, model.distance.size(), targets.bending);
+    Targets targets{targets_of(model.distance, 0), targets_of(model.bending, model.distance.size()), {}};
     targets.stiffness.resize(model.bending.size());
     for_each_four_shared(model.bending.size(), [&](size_t first, size_t count) {
-        store_lanes(settings.bending * both(paint.bending, model.bending, first, count),
+        store_lanes(settings.bending * mean_of(paint.bending, model.bending, first, count),
                     &targets.stiffness[first], count);
     });
     return targets;
