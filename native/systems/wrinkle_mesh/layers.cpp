@@ -2,7 +2,6 @@
 #include "systems/wrinkle_mesh/layers.h"
 
 #include <algorithm>
-#include <optional>
 #include <string>
 
 #include "base/errors.h"
@@ -44,30 +43,39 @@ std::vector<Vec3> unwrinkled_over(const Layers& layers, std::span<const Vec3> ba
     return out;
 }
 
-// The strain of the base that layers need: first at its vertices as the artist has them, then at the vertices
-// of each layer.
-struct BaseStrain {
-    std::vector<SpareCloth> spare;     // empty: folds along any line
-    std::vector<GuidedStrain> guided;  // empty: no painted directions
-
-    BaseStrain(const Layers& layers, std::span<const Vec3> positions, float radius, const GuideLines* guide) {
+// What layers need of the base without folds: first at its vertices as the artist has them, then at the
+// vertices of each layer.
+class BaseWithoutFolds {
+  public:
+    // Throws InvalidInput if positions do not match the base. radius: Settings::bend_radius.
+    BaseWithoutFolds(const Layers& layers, const Input& input, float radius, const GuideLines* guide)
+        : positions_(input.positions.begin(), input.positions.end()), to_spare_(share_to_spare(input)) {
         const Surface& base = layers.base;
+        check_frame(base, positions_);
         if (radius <= 0.0f && !guide) return;
-        const std::vector<Vec3> welded = weld_positions(base, positions);
+        const std::vector<Vec3> welded = weld_positions(base, positions_);
         std::vector<SpareCloth> of_welded = spare_cloth(base, layers.bent_lines, welded, radius);
         if (guide) {
             const std::vector<GuidedStrain> asked = guided_strain(*guide, welded);
             for (size_t w = 0; w < asked.size(); ++w) of_welded[w] = spared_along(of_welded[w], asked[w]);
-            for (const Index w : base.welded_of) guided.push_back(asked[w]);
+            for (const Index w : base.welded_of) guided_.push_back(asked[w]);
         }
-        for (const Index w : base.welded_of) spare.push_back(of_welded[w]);
+        for (const Index w : base.welded_of) spare_.push_back(of_welded[w]);
     }
 
     // Interpolates to the vertices of the next layer.
     void carry_to(const Model& layer, Pose& pose) {
-        if (!spare.empty()) pose.spare = spare = carry(layer, std::span<const SpareCloth>(spare));
-        if (!guided.empty()) pose.guided = guided = carry(layer, std::span<const GuidedStrain>(guided));
+        pose.unwrinkled = positions_ = attached_over(layer, positions_);
+        if (!to_spare_.empty()) pose.to_spare = to_spare_ = carry(layer, std::span<const float>(to_spare_));
+        if (!spare_.empty()) pose.spare = spare_ = carry(layer, std::span<const SpareCloth>(spare_));
+        if (!guided_.empty()) pose.guided = guided_ = carry(layer, std::span<const GuidedStrain>(guided_));
     }
+
+  private:
+    std::vector<Vec3> positions_;
+    std::vector<float> to_spare_;       // Pose::to_spare; empty without bodies
+    std::vector<SpareCloth> spare_;     // empty: folds along any line
+    std::vector<GuidedStrain> guided_;  // empty: no painted directions
 };
 
 // How far the next layer may move inwards: what is left after the movement of this layer's vertices.
@@ -213,9 +221,16 @@ void look_ahead(const PosedCollider& bodies, const Model& layer, const Settings&
     });
 }
 
-void check_counts(const Layers& layers, size_t settings, size_t paint) {
-    expect_count("settings", settings, layers.layers.size(), "layers");
-    expect_count("paint", paint, layers.layers.size(), "layers");
+void check_counts(const Layers& layers, std::span<const Settings> settings, std::span<const Paint> paint,
+                  const Input& input) {
+    expect_count("settings", settings.size(), layers.layers.size(), "layers");
+    expect_count("paint", paint.size(), layers.layers.size(), "layers");
+    const size_t vertices = layers.base.display.vertex_count;
+    if (input.bodies) expect_count("body_hint", input.body_hint.size(), vertices, "values");
+    if (!input.gap.empty()) expect_count("gap", input.gap.size(), vertices, "values");
+    if (paint[0].guide)
+        expect_count("paint.along", paint[0].guide->along.size(), size_t(layers.base.welded.vertex_count),
+                     "welded vertices");
 }
 
 // The largest number of threads that the layers ask for; 0 if one of them leaves it to the size.
@@ -314,39 +329,20 @@ LayersState activated(const LayersState& state) {
 
 LayersState solve(const Layers& layers, std::span<const Settings> settings, std::span<const Paint> paint,
                   const Input& input, const LayersState* state, std::vector<Report>& reports) {
-    // For every layer, coarse first, in this order:
-    // - Its pose, from the input that the layer below left; then the strain of the base without folds.
-    // - Contacts with its own cloth, and then with bodies in front, which replace farther contacts.
-    // - The solve in this pose.
-    // - The input of the next layer: the solved positions, corrected by missed_by_limit(), but not into the
-    //   surfaces below or in front.
-    check_counts(layers, settings.size(), paint.size());
-    if (input.bodies)
-        expect_count("body_hint", input.body_hint.size(), layers.layers[0]->base.display.vertex_count,
-                     "values");
-    if (!input.gap.empty())
-        expect_count("gap", input.gap.size(), layers.layers[0]->base.display.vertex_count, "values");
+    check_counts(layers, settings, paint, input);
     if (!fits(layers, state)) state = nullptr;
     reports.assign(layers.layers.size(), {});
     const SolveTeam team = team_for(*layers.layers.back(), most_threads(settings));
     LayersState out;
     LayerInput layer_input(input);
-    NothingInReach of_cloth, of_bodies;
-    if (paint[0].guide)
-        expect_count("paint.along", paint[0].guide->along.size(), size_t(layers.base.welded.vertex_count),
-                     "welded vertices");
-    std::optional<BaseStrain> strain;
-    std::vector<Vec3> unwrinkled(input.positions.begin(), input.positions.end());
-    std::vector<float> to_spare = share_to_spare(input);
+    BaseWithoutFolds without_folds(layers, input, settings[0].bend_radius, paint[0].guide.get());
     PaintOfHems of_hems(layers.base, layers.hems, input.positions, layers.layers.size());
+    NothingInReach of_cloth, of_bodies;
     for (size_t k = 0; k < layers.layers.size(); ++k) {
         const Model& layer = *layers.layers[k];
         check(layer, paint[k]);
         Pose pose = make_pose(layer, layer_input.input());
-        pose.unwrinkled = unwrinkled = attached_over(layer, unwrinkled);
-        if (!strain) strain.emplace(layers, input.positions, settings[0].bend_radius, paint[0].guide.get());
-        strain->carry_to(layer, pose);
-        if (!to_spare.empty()) pose.to_spare = to_spare = carry(layer, std::span<const float>(to_spare));
+        without_folds.carry_to(layer, pose);
         find_self_contacts(layers.self_contact[k], layer, settings[k], paint[k], of_cloth, pose);
         if (input.bodies)
             look_ahead(*input.bodies, layer, settings[k], paint[k], input.thickness, of_bodies, pose);
@@ -356,7 +352,7 @@ LayersState solve(const Layers& layers, std::span<const Settings> settings, std:
         const OffsetFrames frames(layer, settings[k], layer_input.input(), pose);
         out.solved = solved_positions(pose, frames.in_object(out.layers[k]));
         layer_input.go_on(layer.base, pose, out.solved,
-                          missed_by_limit(layers, k, differences(out.solved, unwrinkled)),
+                          missed_by_limit(layers, k, differences(out.solved, pose.unwrinkled)),
                           k + 2 == layers.layers.size());
     }
     return out;
