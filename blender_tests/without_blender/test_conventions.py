@@ -6,6 +6,7 @@ import ast
 import re
 import subprocess
 import unittest
+from collections.abc import Iterator
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -21,6 +22,27 @@ def sources(*folders: str) -> list[Path]:
     if empty:
         raise AssertionError(f"no source files below {', '.join(empty)}")
     return [f for files in found.values() for f in files]
+
+
+# What may hold braces that begin and end no block; and what begins the block of a type, or a table of constants.
+NO_CODE = re.compile(r"""//.*|"(\\.|[^"\\])*"|'[{}]'""")
+NO_FUNCTION = re.compile(r"\s*(inline )?(namespace|extern|class|struct|enum|union)\b|.*= \{$")
+
+
+def native_blocks(text: str) -> Iterator[tuple[int, int]]:
+    """First and last lines of functions, and of what is in them: from a '{' that ends a line to its '}'."""
+    opened: list[tuple[int, bool]] = []
+    for number, line in enumerate(text.splitlines(), 1):
+        code = NO_CODE.sub("", line).rstrip()
+        for brace in re.findall("[{}]", code):
+            if brace == "{":
+                opened.append((number, code.endswith("{") and not NO_FUNCTION.match(code)))
+                continue
+            first, is_block = opened.pop()
+            if is_block:
+                yield first, number
+    if opened:
+        raise AssertionError(f"no end of what begins in line {opened[-1][0]}")
 
 
 class Conventions(unittest.TestCase):
@@ -110,6 +132,15 @@ class Conventions(unittest.TestCase):
                     body = node.body[1:] if ast.get_docstring(node) and len(node.body) > 1 else node.body
                     self.assertLessEqual(node.end_lineno - body[0].lineno + 1, 40, f"{file}: {node.name}")
                     found += 1
+        self.assertGreater(found, 1000)
+
+    def test_functions_of_the_library_do_one_thing(self) -> None:
+        """Likewise, without the head, but with both braces."""
+        found = 0
+        for file in sources(*(f"native/{layer}" for layer in ("base", "surface", "systems", "api"))):
+            for first, last in native_blocks(file.read_text()):
+                self.assertLessEqual(last - first + 1, 40, f"{file}:{first}")
+                found += 1
         self.assertGreater(found, 1000)
 
 
