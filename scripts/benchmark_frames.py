@@ -55,6 +55,7 @@ STAGES: tuple[tuple[Any, str, str], ...] = (
     (kernels, "solve_base_cloth", "base cloth"),
     (kernels, "solve_wrinkle_layers", "layers solved"),
     (kernels, "show_wrinkle_layers", "layers shown"),
+    (kernels, "show_wrinkle_transfer", "layers shown"),  # of garments that are solved on a coarse mesh
     (kernels, "solve_wrinkle_mesh", "one layer solved"),
     (kernels, "show_wrinkle_mesh", "one layer shown"),
     (output_mesh, "write_result", "result written"),
@@ -187,7 +188,7 @@ def main() -> None:
         click = low_and_middle(clicks[way]) if max(clicks[way]) else ""
         print(f"| {way} | {points[way]:,} | {low_and_middle([row['frame'] for row in rows])} | "
               f"{low_and_middle(replayed[way])} | {click} |")
-    stages = ["frame", *(stage for _module, _name, stage in STAGES)]
+    stages = list(dict.fromkeys(["frame", *(stage for _module, _name, stage in STAGES)]))
     ours = [way for way, (system, *_rest) in WAYS.items() if system not in ("", "SUBSURF")]
     print(f"\n| stage | {' | '.join(ours)} |\n|{'---|' * (len(ours) + 1)}")
     for stage in stages:
