@@ -145,7 +145,7 @@ class ScaledByABone(unittest.TestCase):
         for _ in range(2):
             bpy.context.view_layer.update()
         scheduler.sync_all()
-        sleeve.play(last=12)
+        sleeve.play(last=8)  # the more the sleeve is bent, the more folds multiply roundings
         return sleeve.shown(obj) * obj.scale.x
 
     def test_cloth_is_that_of_a_scaled_object(self) -> None:
@@ -153,8 +153,8 @@ class ScaledByABone(unittest.TestCase):
         obj = self.dressed(2.0, 1.0)
         by_bone = self.in_the_world(obj)
         apart = np.linalg.norm(by_bone - by_object, axis=1)
-        self.assertLess(apart.mean(), 5e-4)  # metres: what is scaled is rounded elsewhere
-        self.assertLess(apart.max(), 1e-2)  # of the edge of a fold, on a sleeve of twice the size
+        self.assertLess(apart.mean(), 2e-4)  # metres: what is scaled is rounded elsewhere
+        self.assertLess(apart.max(), 5e-3)
         moved = sleeve.shown(obj) - sleeve.shown(cloth_scenes.bared(obj))
         self.assertGreater(np.linalg.norm(moved, axis=1).mean(), 5e-3)
 
