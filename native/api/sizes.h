@@ -62,6 +62,7 @@ inline constexpr StructSize kStructSizes[] = {
     RUMPLE_SIZE(rumple_wrinkle_maps_view),
     RUMPLE_SIZE(rumple_wrinkle_mesh_measures),
     RUMPLE_SIZE(rumple_wrinkle_mesh_painted),
+    RUMPLE_SIZE(rumple_wrinkle_mesh_passes_view),
     RUMPLE_SIZE(rumple_wrinkle_mesh_plan),
     RUMPLE_SIZE(rumple_wrinkle_mesh_report),
     RUMPLE_SIZE(rumple_wrinkle_mesh_settings),

@@ -145,6 +145,7 @@ rumple_status rumple_shown_mesh_get_view(const rumple_shown_mesh* mesh, rumple_s
                                m.mesh.polygons(),
                                m.mesh.corners(),
                                count(m.edges),
+                               count(m.from_solved.index),
                                m.mesh.polygon_start.data(),
                                m.mesh.corner_vertex.data(),
                                m.polygon_source.data(),
@@ -152,7 +153,10 @@ rumple_status rumple_shown_mesh_get_view(const rumple_shown_mesh* mesh, rumple_s
                                flat<int32_t>(m.edge_sources),
                                flat<float>(m.positions_rest),
                                flat<int32_t>(m.embedding),
-                               flat<float>(mesh->barycentric)};
+                               flat<float>(mesh->barycentric),
+                               m.from_solved.start.data(),
+                               m.from_solved.index.data(),
+                               m.from_solved.weight.data()};
     });
 }
 

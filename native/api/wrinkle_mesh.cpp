@@ -3,6 +3,7 @@
 
 #include "api/sound.h"
 #include "base/expect.h"
+#include "systems/wrinkle_mesh/passes.h"
 #include "systems/wrinkle_mesh/pose.h"
 
 using namespace rumple;
@@ -25,6 +26,10 @@ struct rumple_wrinkle_mesh_pose {
 struct rumple_wrinkle_mesh_state {
     std::shared_ptr<const Model> model;
     State state;
+};
+struct rumple_wrinkle_mesh_passes {
+    std::shared_ptr<const Model> model;
+    Passes passes;
 };
 
 // Lists all fields once, for both directions: see api/settings.h.
@@ -77,8 +82,10 @@ Paint mesh_painted(const rumple_wrinkle_mesh_painted& from, const Surface& base)
 }
 
 rumple_wrinkle_mesh_view view_of(const Model& m) {
-    return {m.solved.vertex_count, int32_t(m.distance.size() + m.bending.size()),
-            count(m.unattached_distance), m.local_edge.data(), m.unattached_distance.data()};
+    return {m.solved.vertex_count,        int32_t(m.distance.size() + m.bending.size()),
+            count(m.unattached_distance), m.base.display.vertex_count,
+            m.base.welded.vertex_count,   m.local_edge.data(),
+            m.unattached_distance.data(), m.base.welded_of.data()};
 }
 
 rumple_wrinkle_mesh_state_view view_of(const State& s) {
@@ -308,5 +315,68 @@ rumple_status rumple_wrinkle_mesh_label_clip(const rumple_wrinkle_mesh* model,
         if (!m.adaptive) throw InvalidInput("model: expected one that was built with adaptive");
         label(m.base, m.adaptive->triangles, mesh_settings(settings).rest,
               {times, times_count, positions, positions_count, raw}, labels, labels_count);
+    });
+}
+
+// ---- for a solver on the graphics card
+
+rumple_status rumple_wrinkle_mesh_passes_build(const rumple_wrinkle_mesh* model,
+                                               const rumple_wrinkle_mesh_settings* settings,
+                                               const rumple_wrinkle_mesh_paint* paint,
+                                               rumple_wrinkle_mesh_passes** passes) {
+    return made(passes, "passes", [&] {
+        const rumple_wrinkle_mesh& m = given(model, "model");
+        return new rumple_wrinkle_mesh_passes{
+            m.model, collect_passes(*m.model, mesh_settings(settings), paint_in(model, paint))};
+    });
+}
+
+void rumple_wrinkle_mesh_passes_free(rumple_wrinkle_mesh_passes* passes) {
+    delete passes;
+}
+
+rumple_status rumple_wrinkle_mesh_passes_get_view(const rumple_wrinkle_mesh_passes* passes,
+                                                  rumple_wrinkle_mesh_passes_view* view) {
+    return guarded([&] {
+        const Passes& p = given(passes, "passes").passes;
+        given(view, "view") = {count(p.vertex),
+                               count(p.triangles),
+                               count(p.pairs),
+                               p.distance_count,
+                               p.count,
+                               count(p.limit.index),
+                               p.curved,
+                               flat<int32_t>(p.triangles),
+                               p.vertex.data(),
+                               flat<int32_t>(p.base_vertices),
+                               flat<float>(p.weights),
+                               p.limit.start.data(),
+                               p.limit.index.data(),
+                               p.limit.weight.data(),
+                               p.radius.data(),
+                               p.depth.data(),
+                               p.push.data(),
+                               p.noise.data(),
+                               flat<int32_t>(p.pairs),
+                               p.pass.data(),
+                               p.rest.data(),
+                               p.stretched.data(),
+                               p.stiffness.data()};
+    });
+}
+
+rumple_status rumple_wrinkle_mesh_weld_pose(const rumple_wrinkle_mesh* model, const float* positions,
+                                            size_t positions_count, float* welded, float* normals,
+                                            float* smooth, size_t welded_count) {
+    return guarded([&] {
+        const Model& m = *given(model, "model").model;
+        const auto expected = size_t(m.base.welded.vertex_count);
+        const auto out = output<Vec3>(welded, welded_count, expected, "welded");
+        const auto directions = output<Vec3>(normals, welded_count, expected, "normals");
+        const auto places = output<Vec3>(smooth, welded_count, expected, "smooth");
+        const WeldedPose pose = weld_pose(m, vectors(positions, positions_count, "positions"));
+        write(pose.positions, out);
+        write(pose.normals, directions);
+        write(pose.smooth, places);
     });
 }

@@ -24,6 +24,7 @@ using elementary::sin;
 #include "shared/wrinkle_field.glsl"
 #include "shared/wrinkle_field_probe.glsl"
 #include "shared/wrinkle_maps.glsl"
+#include "shared/wrinkle_mesh.glsl"
 #include "shared/wrinkle_paths.glsl"
 
 }  // namespace rumple::formulas

@@ -175,6 +175,9 @@ class ShownMesh(Handle):
     triangle_vertex = Array("(d, 3) int32: the base vertices that every shown vertex is embedded in", INT,
                             "vertex_count", 3)
     barycentric = Array("(d, 2) float32: weights of the second and third of them", FLOAT, "vertex_count", 2)
+    solved_start = Array("(d + 1,) int32: the first entry of every vertex, then m", INT, "vertex_count", more=1)
+    solved_vertex = Array("(m,) int32: the solved vertices that its position is made from", INT, "solved_count")
+    solved_weight = Array("(m,) float32: their weights", FLOAT, "solved_count")
 
     def __init__(self, model: Handle, pointer: Any) -> None:
         """Borrowed from a model, which it keeps alive."""

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from . import c
-from .arrays import BYTE, FLOAT, address, checked, fill, new
+from .arrays import BYTE, FLOAT, INT, address, checked, fill, given, lent, new
 from .handle import Array, Handle, Number
 from .library import lib
 from .struct import Choice
@@ -32,6 +32,17 @@ class WrinkleMeshModel(SteppedModel):
     local_edge = Array("(v,) float32: mean rest length of the edges around a vertex", FLOAT, "solved_vertex_count")
     unattached_distance = Array("own mesh: (vertices,) float32, distance to the base at rest", FLOAT,
                                 "unattached_count")
+    welded_count = Number("w: welded vertices of the base")
+
+    welded_of = Array("(n,) int32: the welded vertex of every vertex of the base", INT, "base_vertex_count")
+
+    def weld_pose(self, positions: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Positions (n, 3) float32 of the base's vertices -> (w, 3) float32 of the welded ones: positions, unit normals
+        (or zero), and where the surface that the fine mesh is attached to passes them. Raises ValueError."""
+        place, count = given(positions, "positions", FLOAT, 3)
+        arrays = tuple(new(FLOAT, self.welded_count, 3) for _ in range(3))
+        lib.rumple_wrinkle_mesh_weld_pose(self, place, count, *map(address, arrays), self.welded_count)
+        return arrays
 
 
 def build_wrinkle_mesh(base: Surface, source: str = "SUBDIVISION", level: int = 2, segments: int = 4,
@@ -145,6 +156,48 @@ class WrinkleMeshState(FrameState):
         return WrinkleMeshState.made(lib.rumple_wrinkle_mesh_state_activated, self)
 
 
+class WrinkleMeshPasses(Handle):
+    """The constraints of a solve as passes over all vertices, for a solver on the graphics card: v vertices in the order
+    of `vertex`, p pairs. Lengths: object units."""
+
+    __slots__ = ()
+    POINTER, FREE = c.WrinkleMeshPassesPointer, "rumple_wrinkle_mesh_passes_free"
+    VIEW, LOOK = c.WrinkleMeshPassesView, "rumple_wrinkle_mesh_passes_get_view"
+
+    vertex_count = Number("v")
+    distance_count = Number("the first pairs keep distances, the others resist bending")
+    pass_count = Number("passes of an iteration")
+    curved = Number("whether vertices are attached to PN triangles")
+    triangles = Array("(t, 3) int32: welded vertices of the base's triangles", INT, "triangle_count", 3)
+    vertex = Array("(v,) int32: the solved vertex", INT, "vertex_count")
+    base_vertices = Array("(v, 3) int32: welded vertices of the triangle that it is attached to", INT, "vertex_count",
+                          3)
+    weights = Array("(v, 2) float32: of the second and the third of them", FLOAT, "vertex_count", 2)
+    limit_vertex = Array("(m,) int32: welded vertices; empty without limit surface", INT, "limit_count")
+    limit_weight = Array("(m,) float32", FLOAT, "limit_count")
+    radius = Array("(v,) float32: attachment radius", FLOAT, "vertex_count")
+    depth = Array("(v,) float32: how far below its attachment it may be", FLOAT, "vertex_count")
+    push = Array("(v,) float32: largest random push of an unbuckled vertex", FLOAT, "vertex_count")
+    noise = Array("(v,) float32, -1..1: share and direction of this push", FLOAT, "vertex_count")
+    pairs = Array("(p, 2) int32: vertices, in the order of `vertex`", INT, "pair_count", 2)
+    of_pass = Array("(p,) int32: its pass", INT, "pair_count")
+    rest = Array("(p,) float32: length at rest", FLOAT, "pair_count")
+    stretched = Array("(p,) float32: s times it", FLOAT, "pair_count")
+    stiffness = Array("(p,) float32, 0..1; of distances 1", FLOAT, "pair_count")
+
+    def __init__(self, model: WrinkleMeshModel, settings: WrinkleMeshSettings, paint: WrinkleMeshPaint | None) -> None:
+        """Raises ValueError for a model with an own mesh, collision with the neighbourhood, and painted directions.
+        Cost: O(v + p)."""
+        self._filled(self, lib.rumple_wrinkle_mesh_passes_build, model, settings, paint)
+
+    @property
+    def limit_start(self) -> np.ndarray:
+        """(v + 1,) int32: the first entry of every vertex, then m; zeros without limit surface."""
+        rows = self.vertex_count if len(self.limit_vertex) else 0
+        start = lent(self, self.view.limit_start, INT, (rows + 1,))
+        return start if rows else np.zeros(self.vertex_count + 1, INT)
+
+
 class WrinkleMeshReport(c.WrinkleMeshReport):
     """The report on a solve."""
 
@@ -201,6 +254,6 @@ def measure_wrinkle_mesh(model: WrinkleMeshModel, settings: WrinkleMeshSettings,
     return measures
 
 
-__all__ = ["WrinkleMeshMeasures", "WrinkleMeshModel", "WrinkleMeshPaint", "WrinkleMeshPose", "WrinkleMeshReport",
-           "WrinkleMeshSettings", "WrinkleMeshState", "build_wrinkle_mesh", "measure_wrinkle_mesh", "show_wrinkle_mesh",
+__all__ = ["WrinkleMeshMeasures", "WrinkleMeshModel", "WrinkleMeshPaint", "WrinkleMeshPasses", "WrinkleMeshPose",
+           "WrinkleMeshReport", "WrinkleMeshSettings", "WrinkleMeshState", "build_wrinkle_mesh", "measure_wrinkle_mesh", "show_wrinkle_mesh",
            "solve_wrinkle_mesh"]

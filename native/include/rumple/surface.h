@@ -179,6 +179,7 @@ typedef struct rumple_shown_mesh_view {
     int32_t polygon_count;  // q
     int32_t corner_count;   // k
     int32_t edge_count;     // e
+    int32_t solved_count;   // m
 
     const int32_t* polygon_start;    // (q + 1): the first corner of every polygon, then k
     const int32_t* corner_vertex;    // (k)
@@ -188,6 +189,9 @@ typedef struct rumple_shown_mesh_view {
     const float* positions_rest;     // (d, 3), object space
     const int32_t* triangle_vertex;  // (d, 3): the base triangle that every shown vertex is embedded in
     const float* barycentric;        // (d, 2): weights of its second and third vertex
+    const int32_t* solved_start;     // (d + 1): the first entry of every shown vertex, then m
+    const int32_t* solved_vertex;    // (m): the solved vertices that its position is made from
+    const float* solved_weight;      // (m): their weights
 } rumple_shown_mesh_view;
 RUMPLE_API rumple_status rumple_shown_mesh_get_view(const rumple_shown_mesh* mesh,
                                                     rumple_shown_mesh_view* view);

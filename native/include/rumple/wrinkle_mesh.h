@@ -41,8 +41,11 @@ typedef struct rumple_wrinkle_mesh_view {
     int32_t solved_vertex_count;       // v
     int32_t pair_count;                // distance and bending constraints
     int32_t unattached_count;          // vertices of the own mesh, or 0
+    int32_t base_vertex_count;         // n
+    int32_t welded_count;              // w: welded vertices of the base
     const float* local_edge;           // (v): mean rest length of the edges around a vertex, object units
     const float* unattached_distance;  // (unattached_count): to the base at rest, object units
+    const int32_t* welded_of;          // (n): the welded vertex of every vertex of the base
 } rumple_wrinkle_mesh_view;
 RUMPLE_API rumple_status rumple_wrinkle_mesh_get_view(const rumple_wrinkle_mesh* model,
                                                       rumple_wrinkle_mesh_view* view);
@@ -205,6 +208,59 @@ RUMPLE_API rumple_status rumple_wrinkle_mesh_label_clip(const rumple_wrinkle_mes
                                                         const double* times, size_t times_count,
                                                         const float* positions, size_t positions_count,
                                                         bool raw, uint8_t* labels, size_t labels_count);
+
+// ---- for a solver on the graphics card
+
+// The constraints of a solve, so that a graphics card can go on from a state (section 4.1). Vertices are in
+// the order of `vertex`. Each pass projects at most one pair of a vertex. All passes in their order, then the
+// bounds (3.1, 4.2), are one iteration of rumple_wrinkle_mesh_solve(), with the same result but for rounding.
+typedef struct rumple_wrinkle_mesh_passes rumple_wrinkle_mesh_passes;
+
+// Lengths: object units.
+typedef struct rumple_wrinkle_mesh_passes_view {
+    int32_t vertex_count;    // v
+    int32_t triangle_count;  // t: triangles of the base
+    int32_t pair_count;      // p, in the order of a state's solved_length
+    int32_t distance_count;  // the first of them keep distances, the others resist bending
+    int32_t pass_count;      // passes of an iteration
+    int32_t limit_count;     // m; 0: attached to triangles
+    bool curved;             // attached to PN triangles
+
+    const int32_t* triangles;      // (t, 3): welded vertices of the base's triangles
+    const int32_t* vertex;         // (v): the solved vertex
+    const int32_t* base_vertices;  // (v, 3): welded vertices of the base's triangle that it is attached to
+    const float* weights;          // (v, 2): of the second and the third of them
+    const int32_t* limit_start;    // (v + 1): row of every vertex, or (1) without limit surface
+    const int32_t* limit_vertex;   // (m): welded vertices
+    const float* limit_weight;     // (m)
+    const float* radius;           // (v): attachment radius
+    const float* depth;            // (v): how far below its attachment it may be
+    const float* push;             // (v): largest random push of an unbuckled vertex
+    const float* noise;            // (v): -1..1: share and direction of this push
+    const int32_t* pairs;          // (p, 2): vertices, in the order of `vertex`
+    const int32_t* of_pass;        // (p): its pass, 0..pass_count - 1
+    const float* rest;             // (p): length at rest
+    const float* stretched;        // (p): s times it
+    const float* stiffness;        // (p): 0..1; of distances 1
+} rumple_wrinkle_mesh_passes_view;
+
+// paint may be NULL. Refused: a model with an own mesh, collision with the neighbourhood, painted directions.
+// Cost: O(v + p).
+RUMPLE_API rumple_status rumple_wrinkle_mesh_passes_build(const rumple_wrinkle_mesh* model,
+                                                          const rumple_wrinkle_mesh_settings* settings,
+                                                          const rumple_wrinkle_mesh_paint* paint,
+                                                          rumple_wrinkle_mesh_passes** passes);
+RUMPLE_API void rumple_wrinkle_mesh_passes_free(rumple_wrinkle_mesh_passes* passes);
+RUMPLE_API rumple_status rumple_wrinkle_mesh_passes_get_view(const rumple_wrinkle_mesh_passes* passes,
+                                                             rumple_wrinkle_mesh_passes_view* view);
+
+// The base's welded vertices in a pose, (w, 3) each, written: deformed positions, unit normals (or zero), and
+// where the surface that the fine mesh is attached to passes them. Refused: as in
+// rumple_wrinkle_mesh_pose_build(). Cost: O(vertices of the base).
+RUMPLE_API rumple_status rumple_wrinkle_mesh_weld_pose(const rumple_wrinkle_mesh* model,
+                                                       const float* positions, size_t positions_count,
+                                                       float* welded, float* normals, float* smooth,
+                                                       size_t welded_count);
 
 #ifdef __cplusplus
 }

@@ -101,6 +101,9 @@ SparseRows limit_stencils(const Surface& surface, std::span<const SurfacePoint> 
 // per vertex, and a subdivision if the faces are neither all quads nor all triangles.
 SparseRows vertex_limit_stencils(const Surface& surface);
 
+// The same; a vertex without a triangle keeps its position.
+SparseRows limit_of_all_vertices(const Surface& surface);
+
 // The fine mesh with its vertices split again where the artist's mesh was split
 // at seams: corners of one fine vertex stay together when they draw on the same
 // display vertices. Same polygons and corners; display vertices are ordered by

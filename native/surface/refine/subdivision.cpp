@@ -256,4 +256,14 @@ SparseRows vertex_limit_stencils(const Surface& surface) {
     return rows;
 }
 
+SparseRows limit_of_all_vertices(const Surface& surface) {
+    const SparseRows limit = vertex_limit_stencils(surface);
+    SparseRows rows;
+    for (Index v = 0; v < limit.rows(); ++v) {
+        if (limit.start[v] == limit.start[v + 1]) rows.add(v, 1.0f);
+        rows.append_row(limit, v);
+    }
+    return rows;
+}
+
 }  // namespace rumple

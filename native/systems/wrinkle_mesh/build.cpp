@@ -302,6 +302,7 @@ std::shared_ptr<const Model> build(Surface base, const Source& source, Attachmen
         add_constraints(*model);
         model->stretch = build_stretch(model->base);
         if (source.adaptive) model->adaptive = place_pairs(*model);
+        if (attachment == AttachmentKind::kLimit) model->vertex_limit = limit_of_all_vertices(model->base);
         model->near = near_triangles(model->base);
         model->shown_in_viewport = show_in_viewport(model->base, inherited, fine, display_steps,
                                                     viewport_steps, model->positions_rest);

@@ -298,13 +298,28 @@ Targets make_targets(const Model& model, const Settings& settings, const Paint& 
                               lengths.subspan(begin, pairs.size()),
                               scales.empty() ? scales : scales.subspan(begin, pairs.size()));
     };
-    Targets targets{targets_of(model.distance, 0), targets_of(model.bending, model.distance.size()), {}};
-    targets.stiffness.resize(model.bending.size());
-    for_each_four_shared(model.bending.size(), [&](size_t first, size_t count) {
-        store_lanes(settings.bending * mean_of(paint.bending, model.bending, first, count),
-                    &targets.stiffness[first], count);
+    return {targets_of(model.distance, 0), targets_of(model.bending, model.distance.size()),
+            bending_stiffness(model, settings, paint)};
+}
+
+std::vector<float> stretched_lengths(const Settings& settings, const Paint& paint, const Pairs& pairs) {
+    const Pose without_layers;
+    std::vector<float> out(pairs.size());
+    for_each_four_shared(pairs.size(), [&](size_t first, size_t count) {
+        const Lanes share = share_of_prestretch(settings, paint, without_layers, pairs, first, count);
+        store_lanes(most_pre_stretch(settings, share) * load_lanes(&pairs.rest[first], count), &out[first],
+                    count);
     });
-    return targets;
+    return out;
+}
+
+std::vector<float> bending_stiffness(const Model& model, const Settings& settings, const Paint& paint) {
+    std::vector<float> stiffness(model.bending.size());
+    for_each_four_shared(stiffness.size(), [&](size_t first, size_t count) {
+        store_lanes(settings.bending * mean_of(paint.bending, model.bending, first, count), &stiffness[first],
+                    count);
+    });
+    return stiffness;
 }
 
 LengthError length_error(std::span<const float> target, std::span<const float> lengths) {

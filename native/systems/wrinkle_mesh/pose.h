@@ -165,6 +165,12 @@ struct Targets {
 Targets make_targets(const Model& model, const Settings& settings, const Paint& paint,
                      std::span<const float> lengths, const Pose& pose, const std::vector<float>& rest_scales);
 
+// s l0 of every pair of a single mesh whose rest shape does not adapt.
+std::vector<float> stretched_lengths(const Settings& settings, const Paint& paint, const Pairs& pairs);
+
+// Targets::stiffness
+std::vector<float> bending_stiffness(const Model& model, const Settings& settings, const Paint& paint);
+
 // Relative errors of the lengths of pairs.
 struct LengthError {
     float rms = 0.0f;

@@ -106,6 +106,7 @@ struct Model {
     Surface base;
     PolygonMesh solved;                  // the fine mesh that is solved
     Attachments attachments;             // per solved vertex
+    SparseRows vertex_limit;             // kLimit: limit positions of the base's welded vertices; else empty
     std::vector<std::uint8_t> attached;  // 0: neither attachment nor collision constraint
     std::vector<Vec3> positions_rest;    // per solved vertex, object space
     std::vector<Vec3>

@@ -28,17 +28,6 @@ void sort_by_triangle(Model& model) {
     for (size_t v = 0; v < places.size(); ++v) model.fine_vertex[end[places[v].triangle]++] = Index(v);
 }
 
-// Limit positions of the welded vertices. Loose vertices keep their position.
-SparseRows limit_of_all_vertices(const Surface& surface) {
-    const SparseRows limit = vertex_limit_stencils(surface);
-    SparseRows rows;
-    for (Index v = 0; v < limit.rows(); ++v) {
-        if (limit.start[v] == limit.start[v + 1]) rows.add(v, 1.0f);
-        rows.append_row(limit, v);
-    }
-    return rows;
-}
-
 // The rings of the welded vertices from the border, along edges of triangles.
 std::vector<Index> rings_over(const Surface& surface, const TriangleNet& net) {
     std::vector<std::array<Index, 2>> edges;

@@ -109,7 +109,9 @@ def _gpu_preview(description: str) -> Any:
                                   description=description)
 
 
-RUMPLE_MeshSettings = _settings_group("MESH")
+RUMPLE_MeshSettings = _settings_group("MESH", gpu_preview=_gpu_preview(
+    "Solve and draw the wrinkles of Solid viewports on the graphics card, which is much faster for dense meshes. Needs "
+    "Layers off, and no base cloth and no bodies. Renders and other viewports show the fine mesh"))
 RUMPLE_FieldSettings = _settings_group("FIELD", gpu_preview=_gpu_preview(
     "Draw the waves in Solid viewports, on the graphics card"))
 RUMPLE_PathsSettings = _settings_group("PATHS", gpu_preview=_gpu_preview(

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""GPU helpers shared by the previews: arrays as RGBA32F textures, passes over them, drawing shaders, and layers.
+"""GPU helpers shared by the previews: arrays as textures, passes over them, and drawing shaders.
 
 Arrays are wrapped by rows (shaders/preview/texels.glsl). All functions need a drawing context. Never call them in
 background mode or outside the main thread.
@@ -17,10 +17,10 @@ from . import glsl
 
 _WIDTH = 1024  # texels in a row of an array; any number works
 _FORMAT = "RGBA32F"
-_MOST_SIZES = 4  # number of viewport sizes whose layers are kept
+_CHANNELS = {_FORMAT: 4, "RG32F": 2}
+_MOST_ROWS = 16384  # of a texture, which every card for OpenGL 4 has
 _BUFFER_STEP = 1 << 20  # floats: step size of the buffer for overlays, 512 x 512 pixels
 OVERLAY_CONSTANTS = (("IVEC2", "overlays_corner"), ("INT", "overlays_are_linear"))  # of under_overlays.glsl
-_COMPOSED = ("layer", "layer_depth", "proxy_depth")
 
 
 # ---------------------------------------------------------------- arrays as textures
@@ -29,24 +29,43 @@ def _shape(count: int) -> tuple[int, int]:
     return width, -(-max(count, 1) // width)
 
 
-def upload(values: np.ndarray) -> gpu.types.GPUTexture:
-    """(n, k) numbers, k up to 4, as a texture. Unused channels of a texel are zero."""
+def upload(values: np.ndarray, form: str = _FORMAT) -> gpu.types.GPUTexture:
+    """(n, k) numbers as a texture; k up to 4, or 2 for the format RG32F. Unused channels of a texel are zero."""
     values = np.asarray(values, np.float32)
     width, height = _shape(len(values))
-    texels = np.zeros((width * height, 4), np.float32)
+    texels = np.zeros((width * height, _CHANNELS[form]), np.float32)
     texels[:len(values), :values.shape[1]] = values
     data = gpu.types.Buffer("FLOAT", texels.size, texels.ravel())
-    return gpu.types.GPUTexture((width, height), format=_FORMAT, data=data)
+    return gpu.types.GPUTexture((width, height), format=form, data=data)
+
+
+def empty(count: int, form: str = _FORMAT) -> gpu.types.GPUTexture:
+    """A texture of this number of texels, for a Target."""
+    return gpu.types.GPUTexture(_shape(count), format=form)
+
+
+def check_size(count: int) -> None:
+    """Raises UserError if no texture has this number of texels. (Floats are exact indices of them.)"""
+    if count > _WIDTH * _MOST_ROWS:
+        raise UserError("The mesh is too large for the GPU Preview: the fine mesh is shown")
 
 
 class Target:
     """An array that passes write: one or more textures of `count` texels."""
 
     def __init__(self, count: int, textures: int = 1) -> None:
-        self.count = count
-        self.size = _shape(count)
-        self.textures = [gpu.types.GPUTexture(self.size, format=_FORMAT) for _ in range(textures)]
-        self.frame_buffer = gpu.types.GPUFrameBuffer(color_slots=tuple(self.textures))
+        self._take(count, [empty(count) for _ in range(textures)])
+
+    @classmethod
+    def of(cls, count: int, textures: list[gpu.types.GPUTexture]) -> "Target":
+        """A target that writes to given textures, which other targets may have too."""
+        target = cls.__new__(cls)
+        target._take(count, textures)
+        return target
+
+    def _take(self, count: int, textures: list[gpu.types.GPUTexture]) -> None:
+        self.count, self.textures = count, textures
+        self.frame_buffer = gpu.types.GPUFrameBuffer(color_slots=tuple(textures))
 
     def read(self, texture: int = 0) -> np.ndarray:
         """Its (count, 4) float32. It waits for the GPU, so it is only for tests."""
@@ -219,62 +238,4 @@ def drawing_shader(between: gpu.types.GPUStageInterfaceInfo | None, vertex_in: t
         info.fragment_out(slot, kind, name)
     info.vertex_source(glsl.source("preview/texels", "preview/on_screen", *vertex))
     info.fragment_source(glsl.source("preview/texels", "preview/studio_light", *fragment))
-    return gpu.shader.create_from_info(info)
-
-
-# ---------------------------------------------------------------- layers
-class Layer:
-    """An image with its own depth, which is its last texture: 0 where nothing is drawn."""
-
-    def __init__(self, size: tuple[int, int], colors: tuple[str, ...]) -> None:
-        """colors: formats of the images, the last one R32F for the depth."""
-        self.textures = [gpu.types.GPUTexture(size, format=form) for form in colors]
-        self._depth = gpu.types.GPUTexture(size, format="DEPTH_COMPONENT32F")
-        self.frame_buffer = gpu.types.GPUFrameBuffer(depth_slot=self._depth, color_slots=tuple(self.textures))
-
-    def drawn(self, paint: Callable[[], None]) -> None:
-        """Clear the layer and draw paint() into it."""
-        with self.frame_buffer.bind():
-            self.frame_buffer.clear(color=(0.0, 0.0, 0.0, 0.0), depth=1.0)
-            paint()
-
-
-def layers(size: tuple[int, int]) -> tuple[Layer, Layer]:
-    """One for a drawing with its light, and one for the proxy that Blender draws."""
-    found = kept("layers", dict)
-    if size not in found:
-        if len(found) >= _MOST_SIZES:
-            found.clear()
-        found[size] = Layer(size, ("RGBA16F", "R32F")), Layer(size, ("R32F",))
-    return found[size]
-
-
-def composite_layer(layer: Layer, proxy: Layer, over: Overlays, origin: tuple[int, int]) -> None:
-    """Draw a layer into the bound frame buffer, whose viewport starts at origin. over: from overlays()."""
-    shader, batch = kept("composite layer", _composite_shader), kept("whole", whole)
-    shader.bind()
-    for name, texture in zip(_COMPOSED, (*layer.textures, *proxy.textures)):
-        shader.uniform_sampler(name, texture)
-    over.bind(shader)
-    shader.uniform_int("origin", origin)
-    batch.draw(shader)
-
-
-def _composite_shader() -> gpu.types.GPUShader:
-    info = gpu.types.GPUShaderCreateInfo()
-    for slot, name in enumerate((*_COMPOSED, "overlays")):
-        info.sampler(slot, "FLOAT_2D", name)
-    info.push_constant("IVEC2", "origin")
-    for kind, name in OVERLAY_CONSTANTS:
-        info.push_constant(kind, name)
-    info.vertex_in(0, "VEC2", "corner")
-    info.fragment_out(0, "VEC4", "out_color")
-    if hasattr(info, "depth_write"):
-        info.depth_write("ANY")
-    elif backend() == "METAL":
-        raise UserError("GPU Preview of Wrinkle Paths needs a later Blender on macOS: the fine mesh is shown")
-    else:  # 4.3 itself declares that the shader keeps the depth, and NVIDIA's driver relies on this
-        info.define("depth_unchanged", "depth_any")
-    info.vertex_source(glsl.source("preview/pass_vertex"))
-    info.fragment_source(glsl.source("preview/under_overlays", "preview/composite_layer"))
     return gpu.shader.create_from_info(info)

@@ -2,13 +2,13 @@
 """The GPU preview: wrinkles in Solid viewports, drawn on the graphics card by Blender's gpu module.
 
 Everything runs in a viewport draw handler: in the main thread, with a drawing context. The drawings of the systems are
-in preview_field.py and preview_paths.py. The preview is off in background mode and while a render runs.
+in preview_mesh.py, preview_field.py and preview_paths.py. The preview is off in background mode and while a render runs.
 
 The waves of a Wrinkle Field are drawn over Blender's own triangles. While all viewports draw them (uses_proxy()), the
 handlers write no attributes for shaders. A frame that the GPU computes from the frame before is solved on the CPU only
-when its result is needed (core/frame/frame_cache.py). The folds of Wrinkle Paths change the shape. While all viewports
-draw them (uses_proxy()), the handlers do not write the fine mesh. Blender then has a coarse mesh just under the drawn
-surface, for depth, outlines and clicks.
+when its result is needed (core/frame/frame_cache.py). A Wrinkle Mesh and the folds of Wrinkle Paths change the shape. While all viewports draw
+them (uses_proxy()), the handlers do not write the fine mesh. Blender then has the coarse mesh near the drawn surface, for
+depth, outlines and clicks.
 """
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from mathutils import Matrix
 from ...core.base.wording import UserError
 from .. import compat, scheduler
 from ..objects import bodies, incoming_mesh, messages, modifier, runtimes, viewport_mesh, weight_paint
-from . import gpu_arrays, preview_field, preview_paths, studio_light
+from . import gpu_arrays, preview_field, preview_mesh, preview_paths, studio_light
 from .draw_handler import DrawHandler
 
 # How much nearer our triangles are drawn than Blender's: a share of the distance, or of the object's size. It is larger
@@ -67,7 +67,8 @@ class Drawing(Protocol):
         """Draw the triangles with this slot. Shader, arrays, image and block are bound."""
 
 
-_DRAWINGS: dict[str, type[Drawing]] = {"FIELD": preview_field.Drawing, "PATHS": preview_paths.Drawing}
+_DRAWINGS: dict[str, type[Drawing]] = {"MESH": preview_mesh.Drawing, "FIELD": preview_field.Drawing,
+                                       "PATHS": preview_paths.Drawing}
 
 
 @dataclass
@@ -82,6 +83,9 @@ class _OnGpu:
 
 REFUSED = "The graphics driver refuses the GPU Preview (the console says why): the fine mesh is shown"
 
+NOT_DRAWN = ("The GPU Preview needs one layer over the animation: no base cloth, body, own mesh, rigid parts, guides, "
+             "or rest shape that adapts. The fine mesh is shown")
+
 _on_gpu: dict[int, _OnGpu] = {}  # by session key
 
 
@@ -94,10 +98,12 @@ def _clear() -> None:
 # ---------------------------------------------------------------- what is shown
 def _is_wanted(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier) -> bool:
     """Whether the preview of an object is on, and its mode and modifier allow it."""
-    group = getattr(obj.rumple, {"FIELD": "field", "PATHS": "paths"}.get(obj.rumple.method, ""), None)
-    runtime = runtimes.known(obj)
-    return (group is not None and group.gpu_preview and getattr(group, "output", "SHADING") == "SHADING"
-            and (runtime is None or runtime.evaluator is None or runtime.evaluator.previewed)
+    if obj.rumple.method not in _DRAWINGS:
+        return False
+    group, runtime = getattr(obj.rumple, obj.rumple.method.lower()), runtimes.known(obj)
+    return (group.gpu_preview and getattr(group, "output", "SHADING") == "SHADING"
+            and (runtime is None or runtime.evaluator is None
+                 or runtime.evaluator.is_previewed(group, bool(bodies.of(obj))))
             and nodes_mod.show_viewport and not modifier.is_baked(nodes_mod) and obj.mode == "OBJECT")
 
 
@@ -142,7 +148,10 @@ def uses_proxy(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier) -> boo
 
 def refusal(obj: bpy.types.Object) -> str:
     """Why the preview of an object is on but not drawn; empty if there is no reason."""
-    on_gpu = _on_gpu.get(compat.session_key(obj))
+    runtime, on_gpu = runtimes.known(obj), _on_gpu.get(compat.session_key(obj))
+    if obj.rumple.method == "MESH" and obj.rumple.mesh.gpu_preview and runtime is not None and runtime.evaluator:
+        if not runtime.evaluator.is_previewed(obj.rumple.mesh, bool(bodies.of(obj))):
+            return NOT_DRAWN
     return on_gpu.refusal if on_gpu is not None else ""
 
 

@@ -14,7 +14,7 @@ import numpy as np
 
 from ...core.frame import engine
 from ..objects import incoming_mesh, mesh_reader, runtimes
-from . import glsl, gpu_arrays
+from . import glsl, gpu_arrays, proxy_layer
 from .gpu_arrays import upload
 
 PROFILES = ("SPLINE", "QUARTIC", "CIRCULAR_ARCS", "SINE")  # in the order of shaders/shared/wrinkle_paths.glsl
@@ -75,18 +75,12 @@ def _compile() -> gpu.types.GPUShader:
         (("VEC4", "out_color"), ("FLOAT", "out_depth")))
 
 
-def _compile_proxy() -> gpu.types.GPUShader:
-    return gpu_arrays.drawing_shader(None, (("IVEC2", "spot"),), ("triangles", "smooths"), ("preview/proxy_vertex",),
-                                     ("preview/proxy_fragment",), outputs=(("FLOAT", "out_depth"),))
-
-
 class Drawing:
     """The folds of one object, and the smooth surface between them; see preview.Drawing."""
 
     def __init__(self, model: Any) -> None:
         self._arrays = {"triangles": upload(model.triangle_vertex)}
-        corners = np.indices((len(model.triangle_vertex), 3), np.int32).reshape(2, -1).T
-        self._proxy = gpu.types.GPUBatch(type="TRIS", buf=gpu_arrays.vertex_buffer(spot=corners))
+        self._proxy = proxy_layer.Proxy(model.triangle_vertex)
         self._groups: dict[int, list[tuple[int, int, int]]] = {}  # material slot -> (parts, first patch, patches)
         self.has_uv = False
 
@@ -133,21 +127,7 @@ class Drawing:
         return list(self._groups)
 
     def present(self, paint: Callable[[], None], over: gpu_arrays.Overlays, block: gpu.types.GPUUniformBuf) -> None:
-        """Inside the layer its own depth hides it. Against everything else it is at most as far away as Blender's
-        proxy."""
-        left, bottom, width, height = gpu.state.viewport_get()
-        layer, proxy = gpu_arrays.layers((width, height))
-        proxy.drawn(lambda: self._draw_proxy(block))
-        layer.drawn(paint)
-        gpu_arrays.composite_layer(layer, proxy, over, (left, bottom))
-
-    def _draw_proxy(self, block: gpu.types.GPUUniformBuf) -> None:
-        shader = gpu_arrays.kept("proxy", _compile_proxy)
-        shader.bind()
-        for name in ("triangles", "smooths"):
-            shader.uniform_sampler(name, self._arrays[name])
-        shader.uniform_block("preview", block)
-        self._proxy.draw(shader)
+        proxy_layer.present(paint, lambda: self._proxy.draw(block, self._arrays["smooths"]), over)
 
     def draw(self, shader: gpu.types.GPUShader, slot: int) -> None:
         shader.uniform_int("profile_kind", self._profile)

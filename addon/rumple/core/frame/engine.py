@@ -100,7 +100,7 @@ class Wrinkles(SystemSteps):
         cached, pose = (found.cached, None) if found.cached is not None else self._solve_and_store(found)
         replayed = found.cached is not None
         if request.for_preview and cached.waits:
-            return PreviewFrame(replayed=replayed)
+            return PreviewFrame(proxy_offset=self._proxy_offset(found.frame_input.animated), replayed=replayed)
         solved = time.perf_counter()
         make = functools.partial(self._result_of, request, cached, pose,
                                  replace(found.frame_input, cloth=cloth_of(cached.state)))

@@ -23,7 +23,7 @@ class SystemSteps(ShownMesh):
     HEIGHTS: tuple[str, ...] = ()  # attributes that contain the height of folds, and are scaled with them
     HEIGHT_PAINT = ""  # paint that reduces folds in the solve; empty: the solved result is flattened instead
     HAS_CURVES = False  # whether it implements curves()
-    previewed = True  # whether the GPU preview draws these wrinkles correctly
+    previewed = True  # whether the GPU preview draws wrinkles with this paint: see is_previewed()
 
     # --- for other modules
     @staticmethod
@@ -43,6 +43,11 @@ class SystemSteps(ShownMesh):
         """The approximate number of points of the curves if the whole garment is folded."""
         raise NotImplementedError
 
+    def is_previewed(self, settings: Any, has_body: bool) -> bool:
+        """Whether the GPU preview draws these wrinkles correctly. settings: of the system, or Blender's own settings
+        with the same names. has_body: whether the garment collides with a body."""
+        return self.previewed
+
     # --- for the engine
     def _status(self, report: Any) -> list[str]:
         """Lines for the artist about the system's report."""
@@ -51,6 +56,10 @@ class SystemSteps(ShownMesh):
     def _may_wait(self, settings: Any, frame_input: FrameInput) -> bool:
         """Whether the preview can show the frame without its state, so that the solve may wait."""
         return False
+
+    def _proxy_offset(self, positions: np.ndarray) -> np.ndarray | None:
+        """PreviewFrame.proxy_offset of a frame that waits. positions: (n, 3) of the animated base."""
+        return None
 
     def _keeps_off_bodies(self) -> bool:
         """Whether the system itself keeps its wrinkles off bodies under the base cloth."""

@@ -18,7 +18,7 @@ from ..frame.engine import MOST_VERTICES, Wrinkles
 from ..frame.frame_input import FrameInput
 from ..mesh.base_mesh import MOST_LEVEL, BaseMesh
 from ..mesh.body import Body
-from ..mesh.frame_result import FrameResult
+from ..mesh.frame_result import FrameResult, PreviewFrame
 from ..mesh.outer_side import OuterSide
 from ..mesh.outer_side import find as find_outer_side
 from ..mesh.shown_mesh import ViewportMesh
@@ -32,6 +32,7 @@ from ..settings.system_settings import MeshSettings
 
 MOST_STEPS = 2  # unsolved subdivisions
 MOST_PLAYABLE = 60_000  # solved vertices that still play live on a few cores
+MOST_UNDER_PROXY = 100_000  # shown vertices up to which the GPU preview moves its proxy to the smooth surface
 EDGES_PER_WAVELENGTH = 5.0  # measured on garments with bend stiffness of 0.7 and more
 FIRST_SHARE = 0.25  # halvings beyond a layer's wavelength from which on there is a finer layer
 FARTHEST_OWN = 0.25  # an own mesh farther from the base than this share of the base's diagonal is refused
@@ -334,7 +335,39 @@ class WrinkleMesh(Wrinkles):
     def _native_settings(self, settings: MeshSettings) -> Any:
         return native_settings(settings)
 
+    # --- for the GPU preview (../blender/viewport/preview_mesh.py)
+    def passes(self, settings: MeshSettings) -> tuple[Any, Any]:
+        """(constraints, settings), native, with the paint of the last solve."""
+        options = native_settings(settings)
+        return kernels.WrinkleMeshPasses(self.model, options, self._paint), options
+
+    def is_previewed(self, settings: Any, has_body: bool) -> bool:
+        return (self.previewed and settings.source != "OBJECT" and settings.base_cloth == "OFF" and not has_body
+                and (settings.rest_shape != "ADAPTIVE" or settings.stateless) and settings.offset_space == "TRIANGLE"
+                and settings.collision != "NEIGHBOURHOOD" and not self._by_hand)
+
+    def _may_wait(self, settings: MeshSettings, frame_input: FrameInput) -> bool:
+        if settings.stateless or not self.is_previewed(settings, frame_input.body is not None):
+            return False
+        self.model.weld_pose(frame_input.animated)  # raises the errors of a later solve already now
+        return True
+
+    def _proxy_offset(self, positions: np.ndarray) -> np.ndarray:
+        """From the coarse vertices to the surface that the fine mesh is attached to. Nothing for a very fine mesh: to
+        write the offsets lets Blender look at all its vertices."""
+        if self.vertex_count > MOST_UNDER_PROXY:
+            return np.zeros((0, 3), np.float32)
+        smooth = self.model.weld_pose(positions)[2]
+        return (smooth[self.model.welded_of] - positions)[:self.coarse_count]
+
+    def _preview(self, settings: MeshSettings, positions: np.ndarray, pose: Any, state: Any,
+                 frame_input: FrameInput) -> FrameResult | PreviewFrame:
+        if self.is_previewed(settings, frame_input.body is not None):
+            return PreviewFrame(proxy_offset=self._proxy_offset(positions))
+        return self._show(settings, positions, pose, state, frame_input)
+
     def _take_paint(self, paint: dict[str, np.ndarray]) -> Any:
+        self.previewed = not self.layer_count and self.base.rigid is None and ALONG not in paint
         words = layer_words(self.layer_count, self.finer_layers) if self.layer_count else []
         paint = with_wide_folds(paint, self._cloth_paint.get(FREE), words)
         factors = {name: values for name, values in paint.items()

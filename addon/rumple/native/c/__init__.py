@@ -54,6 +54,7 @@ STRUCTS: dict[str, Any] = {
     "rumple_wrinkle_mesh_state_view": WrinkleMeshStateView,
     "rumple_wrinkle_mesh_report": WrinkleMeshReport,
     "rumple_wrinkle_mesh_measures": WrinkleMeshMeasures,
+    "rumple_wrinkle_mesh_passes_view": WrinkleMeshPassesView,
     "rumple_wrinkle_layers_plan": WrinkleLayersPlan,
     "rumple_wrinkle_layers_view": WrinkleLayersView,
     "rumple_wrinkle_layers_painted": WrinkleLayersPainted,

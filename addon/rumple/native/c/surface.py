@@ -120,6 +120,7 @@ class ShownMeshView(Struct):
     polygon_count: int  # q
     corner_count: int  # k
     edge_count: int  # e
+    solved_count: int  # m
     polygon_start: int | None  # (q + 1): the first corner of every polygon, then k
     corner_vertex: int | None  # (k)
     polygon_source: int | None  # (q): polygon of the source
@@ -128,10 +129,14 @@ class ShownMeshView(Struct):
     positions_rest: int | None  # (d, 3), object space
     triangle_vertex: int | None  # (d, 3): the base triangle that every shown vertex is embedded in
     barycentric: int | None  # (d, 2): weights of its second and third vertex
+    solved_start: int | None  # (d + 1): the first entry of every shown vertex, then m
+    solved_vertex: int | None  # (m): the solved vertices that its position is made from
+    solved_weight: int | None  # (m): their weights
     _fields_ = (("vertex_count", c_int32), ("polygon_count", c_int32), ("corner_count", c_int32),
-        ("edge_count", c_int32), ("polygon_start", c_void_p), ("corner_vertex", c_void_p),
+        ("edge_count", c_int32), ("solved_count", c_int32), ("polygon_start", c_void_p), ("corner_vertex", c_void_p),
         ("polygon_source", c_void_p), ("edges", c_void_p), ("edge_sources", c_void_p), ("positions_rest", c_void_p),
-        ("triangle_vertex", c_void_p), ("barycentric", c_void_p),)
+        ("triangle_vertex", c_void_p), ("barycentric", c_void_p), ("solved_start", c_void_p),
+        ("solved_vertex", c_void_p), ("solved_weight", c_void_p),)
 
 
 class Pose(Struct):

@@ -19,6 +19,7 @@ WrinkleMeshPointer = pointer_to("rumple_wrinkle_mesh")
 WrinkleMeshPaintPointer = pointer_to("rumple_wrinkle_mesh_paint")
 WrinkleMeshPosePointer = pointer_to("rumple_wrinkle_mesh_pose")
 WrinkleMeshStatePointer = pointer_to("rumple_wrinkle_mesh_state")
+WrinkleMeshPassesPointer = pointer_to("rumple_wrinkle_mesh_passes")
 
 
 class WrinkleMeshPlan(Struct):
@@ -44,10 +45,14 @@ class WrinkleMeshView(Struct):
     solved_vertex_count: int  # v
     pair_count: int  # distance and bending constraints
     unattached_count: int  # vertices of the own mesh, or 0
+    base_vertex_count: int  # n
+    welded_count: int  # w: welded vertices of the base
     local_edge: int | None  # (v): mean rest length of the edges around a vertex, object units
     unattached_distance: int | None  # (unattached_count): to the base at rest, object units
+    welded_of: int | None  # (n): the welded vertex of every vertex of the base
     _fields_ = (("solved_vertex_count", c_int32), ("pair_count", c_int32), ("unattached_count", c_int32),
-        ("local_edge", c_void_p), ("unattached_distance", c_void_p),)
+        ("base_vertex_count", c_int32), ("welded_count", c_int32), ("local_edge", c_void_p),
+        ("unattached_distance", c_void_p), ("welded_of", c_void_p),)
 
 
 class WrinkleMeshSettings(Struct):
@@ -161,6 +166,41 @@ class WrinkleMeshMeasures(Struct):
         ("compressed_area_after", c_float), ("attachment_violation", c_float), ("largest_offset", c_float),)
 
 
+class WrinkleMeshPassesView(Struct):
+    """struct rumple_wrinkle_mesh_passes_view"""
+
+    __slots__ = ()
+    vertex_count: int  # v
+    triangle_count: int  # t: triangles of the base
+    pair_count: int  # p, in the order of a state's solved_length
+    distance_count: int  # the first of them keep distances, the others resist bending
+    pass_count: int  # passes of an iteration
+    limit_count: int  # m; 0: attached to triangles
+    curved: bool  # attached to PN triangles
+    triangles: int | None  # (t, 3): welded vertices of the base's triangles
+    vertex: int | None  # (v): the solved vertex
+    base_vertices: int | None  # (v, 3): welded vertices of the base's triangle that it is attached to
+    weights: int | None  # (v, 2): of the second and the third of them
+    limit_start: int | None  # (v + 1): row of every vertex, or (1) without limit surface
+    limit_vertex: int | None  # (m): welded vertices
+    limit_weight: int | None  # (m)
+    radius: int | None  # (v): attachment radius
+    depth: int | None  # (v): how far below its attachment it may be
+    push: int | None  # (v): largest random push of an unbuckled vertex
+    noise: int | None  # (v): -1..1: share and direction of this push
+    pairs: int | None  # (p, 2): vertices, in the order of `vertex`
+    of_pass: int | None  # (p): its pass, 0..pass_count - 1
+    rest: int | None  # (p): length at rest
+    stretched: int | None  # (p): s times it
+    stiffness: int | None  # (p): 0..1; of distances 1
+    _fields_ = (("vertex_count", c_int32), ("triangle_count", c_int32), ("pair_count", c_int32),
+        ("distance_count", c_int32), ("pass_count", c_int32), ("limit_count", c_int32), ("curved", c_bool),
+        ("triangles", c_void_p), ("vertex", c_void_p), ("base_vertices", c_void_p), ("weights", c_void_p),
+        ("limit_start", c_void_p), ("limit_vertex", c_void_p), ("limit_weight", c_void_p), ("radius", c_void_p),
+        ("depth", c_void_p), ("push", c_void_p), ("noise", c_void_p), ("pairs", c_void_p), ("of_pass", c_void_p),
+        ("rest", c_void_p), ("stretched", c_void_p), ("stiffness", c_void_p),)
+
+
 WRINKLE_MESH_FUNCTIONS: dict[str, tuple[Any, tuple[Any, ...]]] = {
     "rumple_wrinkle_mesh_plan_default": (WrinkleMeshPlan, ()),
     "rumple_wrinkle_mesh_build": (CHECKED, (SurfacePointer, POINTER(WrinkleMeshPlan), POINTER(WrinkleMeshPointer))),
@@ -188,4 +228,10 @@ WRINKLE_MESH_FUNCTIONS: dict[str, tuple[Any, tuple[Any, ...]]] = {
         c_void_p, c_size_t)),
     "rumple_wrinkle_mesh_label_clip": (CHECKED, (WrinkleMeshPointer, POINTER(WrinkleMeshSettings), c_void_p, c_size_t,
         c_void_p, c_size_t, c_bool, c_void_p, c_size_t)),
+    "rumple_wrinkle_mesh_passes_build": (CHECKED, (WrinkleMeshPointer, POINTER(WrinkleMeshSettings),
+        WrinkleMeshPaintPointer, POINTER(WrinkleMeshPassesPointer))),
+    "rumple_wrinkle_mesh_passes_free": (None, (WrinkleMeshPassesPointer,)),
+    "rumple_wrinkle_mesh_passes_get_view": (CHECKED, (WrinkleMeshPassesPointer, POINTER(WrinkleMeshPassesView))),
+    "rumple_wrinkle_mesh_weld_pose": (CHECKED, (WrinkleMeshPointer, c_void_p, c_size_t, c_void_p, c_void_p, c_void_p,
+        c_size_t)),
 }

@@ -1,0 +1,176 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The GPU preview of the Wrinkle Mesh: its solve against the library, its pictures against the fine mesh, its manners."""
+from __future__ import annotations
+
+from typing import Iterator
+
+import bpy
+import numpy as np
+from rumple.blender import compat
+from rumple.blender.objects import modifier, runtimes
+from rumple.blender.viewport import gpu_mesh, preview
+from rumple.blender.viewport.gpu_arrays import read
+from support import sleeve
+from support.preview_case import PreviewCase, smooth
+
+
+class MeshCase(PreviewCase):
+    method = "MESH"
+
+    def begun(self, **settings: object) -> Iterator[float]:
+        """The sleeve with one layer of wrinkles, drawn at the clip's first frame."""
+        yield from self.make(**{"layers": "ONE", "density": "LEVEL", "level": 2, "display_steps": 0,
+                              **settings})
+        yield from self.drawn_at(1)
+
+    def runtime(self) -> runtimes.Runtime:
+        return runtimes.of(self.obj)
+
+    def settled(self, uses_proxy: bool = True) -> Iterator[float]:
+        """Waits until the viewport has the mesh that it should have."""
+        self.area.tag_redraw()
+        yield from self.until(lambda: self.runtime().inputs is not None
+                              and self.runtime().inputs.for_preview == uses_proxy)
+        self.assertEqual(self.runtime().inputs.for_preview, uses_proxy)
+        yield 0.1
+
+    def places(self) -> np.ndarray:
+        """(d, 3) of the shown mesh, from the card."""
+        shown = self.held().drawing.shown
+        return read(shown.places, self.runtime().evaluator.shown.vertex_count)[:, :3]
+
+    def off(self) -> np.ndarray:
+        """(d,) metres: how far the card's shown vertices are from those that renders show."""
+        return np.linalg.norm(self.places() - self.in_renders().positions, axis=1)
+
+    def offsets(self) -> np.ndarray:
+        """(v, 3) in the library's order, from the card."""
+        mesh = self.held().drawing.mesh
+        out = np.empty((mesh.count, 3), np.float32)
+        out[mesh.vertex] = read(mesh.offsets, mesh.count)[:, :3]
+        return out
+
+
+class Solved(MeshCase):
+
+    def test_it_goes_on_by_itself_as_the_library_does(self) -> Iterator[float]:
+        """A thousandth of a fine edge in the mean after each frame, a twentieth anywhere: folds multiply roundings."""
+        for settings in (dict(), dict(attachment="PN", collision="NONE", nudge=0.1),
+                         dict(attachment="LINEAR", buckling_threshold=0.02)):
+            yield from self.begun(**settings)
+            begun: list[int] = []
+            self.watch(gpu_mesh.GpuMesh, "begin", begun)
+            edge = float(self.runtime().evaluator.model.local_edge.mean())
+            for frame in range(2, 9):
+                yield from self.drawn_at(frame)
+                self.assertTrue(self.runtime().evaluator.frame_cache.get(float(frame)).waits)
+                state = self.runtime().evaluator.wrinkles_of(float(frame))
+                off = np.linalg.norm(self.offsets() - state.offset, axis=1)
+                self.assertLess(off.mean(), 1e-3 * edge, (settings, frame))
+                self.assertLess(off.max(), 5e-2 * edge, (settings, frame))
+            self.assertEqual(begun, [])
+            self.assertGreater(np.linalg.norm(state.offset, axis=1).max(), 0.3 * edge)
+            self.assertLess(self.off().mean(), 1e-3 * edge)
+
+    def test_a_jump_takes_the_state_of_the_engine(self) -> Iterator[float]:
+        yield from self.begun()
+        yield from self.drawn_at(9)
+        self.assertLess(self.off().max(), 2e-6)
+        yield from self.drawn_at(10)
+        edge = float(self.runtime().evaluator.model.local_edge.mean())
+        self.assertLess(self.off().mean(), 1e-3 * edge)
+
+    def test_a_pose_that_is_held_keeps_every_bit(self) -> Iterator[float]:
+        yield from self.begun()
+        sleeve.bend_until(4)
+        for frame in range(1, 7):
+            yield from self.drawn_at(frame)
+        held = self.offsets()
+        yield from self.drawn_at(7)
+        np.testing.assert_array_equal(self.offsets(), held)
+
+    def test_settings_and_paint_take_effect(self) -> Iterator[float]:
+        yield from self.begun()
+        yield from self.drawn_at(8)
+        yield from self.drawn_at(9)
+        self.obj.rumple.mesh.radius = 0.3
+        yield from self.until(lambda: self.runtime().inputs.settings.radius == np.float32(0.3))
+        yield from self.until_drawn(9)
+        self.assertLess(self.off().max(), 2e-6)
+        largest = np.linalg.norm(self.offsets(), axis=1) / self.runtime().evaluator.model.local_edge
+        self.assertLess(largest.max(), 0.3 * 1.001)
+
+
+class Pictures(MeshCase):
+
+    def test_it_looks_like_the_fine_mesh(self) -> Iterator[float]:
+        yield from self.begun()
+        yield from self.drawn_at(sleeve.LAST)
+        mesh = self.obj.rumple.mesh
+        mesh.gpu_preview = False
+        yield from self.settled(False)
+        yield from self.shot()
+        fine = self.seen
+        self.screenshot("mesh_fine")
+        mesh.gpu_preview = True
+        yield from self.settled()
+        yield from self.shot()
+        self.screenshot("mesh_preview")
+        self.assertEqual(len(preview._on_gpu), 1)
+        self.assertEqual(self.held().refusal, "")
+        here = np.abs(fine - fine[5, 5]) > 8.0
+        difference = np.abs(self.seen - fine)[here]
+        self.assertLess(np.median(difference), 4.0)
+        self.assertLess(difference.mean(), 8.0)
+        detail = [np.abs(picture - smooth(picture))[here].mean() for picture in (self.seen, fine)]
+        self.assertAlmostEqual(detail[0] / detail[1], 1.0, delta=0.2)
+
+    def test_its_normals_are_blenders(self) -> Iterator[float]:
+        """They had been weighted by area: in folded cloth every tenth was 9 degrees off."""
+        yield from self.begun()
+        yield from self.drawn_at(sleeve.LAST)
+        fine = bpy.data.meshes.new("Fine")
+        self.addCleanup(bpy.data.meshes.remove, fine)
+        shown = self.runtime().evaluator
+        compat.fill_polygons(fine, self.places(), shown.polygon_start, shown.corner_vertex)
+        expected = np.empty((len(fine.vertices), 3), np.float32)
+        fine.vertices.foreach_get("normal", expected.ravel())
+        drawn = read(self.held().drawing.shown.normals, len(expected))[:, :3]
+        drawn /= np.linalg.norm(drawn, axis=1, keepdims=True)
+        off = np.degrees(np.arccos(np.clip((drawn * expected).sum(1), -1.0, 1.0)))
+        self.assertLess(np.percentile(off, 90), 2.0)
+
+    def test_with_a_subdivided_mesh_and_one_for_viewports(self) -> Iterator[float]:
+        for steps in (2, 0):
+            yield from self.begun(display_steps=steps, level=1)
+            for frame in (2, 3):
+                yield from self.drawn_at(frame)
+            evaluator = self.runtime().evaluator
+            drawn = evaluator.in_viewport if self.runtime().inputs.in_viewport else evaluator
+            places = read(self.held().drawing.shown.places, drawn.shown.vertex_count)[:, :3]
+            self.assertTrue(np.isfinite(places).all())
+
+
+class Manners(MeshCase):
+
+    def test_blender_evaluates_the_coarse_mesh_meanwhile(self) -> Iterator[float]:
+        yield from self.begun()
+        coarse = len(self.obj.data.vertices)
+        for frame in (2, 3):
+            yield from self.drawn_at(frame)
+            evaluated = self.obj.evaluated_get(bpy.context.evaluated_depsgraph_get())
+            self.assertEqual(len(evaluated.data.vertices), coarse)
+        self.obj.rumple.mesh.gpu_preview = False
+        yield from self.settled(False)
+        evaluated = self.obj.evaluated_get(bpy.context.evaluated_depsgraph_get())
+        self.assertGreater(len(evaluated.data.vertices), 10 * coarse)
+
+    def test_a_garment_that_it_cannot_solve_shows_its_fine_mesh(self) -> Iterator[float]:
+        for settings in (dict(layers="CLOTH"), dict(base_cloth="HANG"), dict(collision="NEIGHBOURHOOD"),
+                         dict(rest_shape="ADAPTIVE")):
+            yield from self.make(**{"layers": "ONE", "density": "LEVEL", "level": 2, **settings})
+            sleeve.at(5)
+            yield from self.settled(False)
+            self.assertEqual(len(preview._on_gpu), 0, settings)
+            nodes_mod = modifier.find(self.obj)
+            self.assertFalse(preview.uses_proxy(self.obj, nodes_mod), settings)
