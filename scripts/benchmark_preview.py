@@ -11,51 +11,24 @@ from __future__ import annotations
 
 import os
 import sys
-import time
-import traceback
 from pathlib import Path
 from types import SimpleNamespace
-from typing import Callable
+from typing import Callable, Iterator
 
 import bpy
 import gpu
 import numpy as np
 from mathutils import Matrix
 
-sys.path[:0] = [str(Path(__file__).resolve().parents[1] / "addon"), os.environ["RUMPLE_NATIVE"]]
+HERE = Path(__file__).resolve()
+sys.path[:0] = [str(HERE.parents[1] / "addon"), str(HERE.parent), os.environ["RUMPLE_NATIVE"]]
 import rumple_native as native  # noqa: E402
+from benchmark_window import milliseconds, run, sheet  # noqa: E402
 from rumple.blender.viewport import gpu_arrays, preview, preview_field  # noqa: E402
 
 ROWS = (("shirt", 35, 13, 330_000), ("B", 139, 43, 55_000))  # name, vertices along and across, pixels
 SIDE = 1024
-REPEATS, TRIES = 10, 5
 OVERLAYS = ((400, 300), (793, 593), (1920, 1080), (3840, 2160))  # pixels
-
-
-def sheet(along: int, across: int) -> tuple:
-    """A quad grid of a metre: what build_surface takes, and uv."""
-    x, y = np.meshgrid(np.linspace(0.0, 1.0, along), np.linspace(0.0, 1.0, across))
-    rest = np.stack((x.ravel(), y.ravel(), 0.0 * x.ravel()), 1).astype(np.float32)
-    first = (np.arange(across - 1)[:, None] * along + np.arange(along - 1)).ravel()
-    quads = np.stack((first, first + 1, first + along + 1, first + along), 1).astype(np.int32)
-    corner = 4 * np.arange(len(quads), dtype=np.int32)[:, None]
-    triangles = np.concatenate((corner + (0, 1, 2), corner + (0, 2, 3)), 1).reshape(-1, 3).astype(np.int32)
-    surface = (rest, np.arange(0, quads.size + 1, 4, dtype=np.int32), quads.ravel(), triangles)
-    return surface, np.ascontiguousarray(rest[quads.ravel(), :2])
-
-
-def milliseconds(step: Callable[[], None], finish: Callable[[], None] = lambda: None) -> float:
-    """The least of some tries of the mean of some calls."""
-    step()
-    finish()
-    times = []
-    for _ in range(TRIES):
-        began = time.perf_counter()
-        for _ in range(REPEATS):
-            step()
-        finish()
-        times.append((time.perf_counter() - began) / REPEATS)
-    return 1e3 * min(times)
 
 
 def finished(target: gpu_arrays.Target) -> Callable[[], None]:
@@ -133,21 +106,16 @@ def read_overlays(width: int, height: int) -> float:
     return found
 
 
-def main() -> None:
-    try:
-        print(f"GPU preview, ms, on {gpu.platform.renderer_get()}, Blender {bpy.app.version_string}")
-        columns = [measure(*row[1:]) for row in ROWS]
-        print("".join([f"{'':22}", *(f"{f'{name}, {a * b} vertices':>24}" for name, a, b, _ in ROWS)]))
-        print("".join([f"{'pixels':22}", *(f"{pixels:24,}" for *_, pixels in ROWS)]))
-        for stage in columns[0]:
-            print("".join([f"{stage:22}", *(f"{column[stage]:24.3f}" for column in columns)]))
-        for width, height in OVERLAYS:
-            print(f"{f'overlays, {width} x {height}':22}{read_overlays(width, height):24.3f}")
-    except Exception:
-        traceback.print_exc()
-    sys.stdout.flush()
-    os._exit(0)
+def steps() -> Iterator[float]:
+    print(f"GPU preview, ms, on {gpu.platform.renderer_get()}, Blender {bpy.app.version_string}")
+    columns = [measure(*row[1:]) for row in ROWS]
+    print("".join([f"{'':22}", *(f"{f'{name}, {a * b} vertices':>24}" for name, a, b, _ in ROWS)]))
+    print("".join([f"{'pixels':22}", *(f"{pixels:24,}" for *_, pixels in ROWS)]))
+    for stage in columns[0]:
+        print("".join([f"{stage:22}", *(f"{column[stage]:24.3f}" for column in columns)]))
+    for width, height in OVERLAYS:
+        print(f"{f'overlays, {width} x {height}':22}{read_overlays(width, height):24.3f}")
+    yield 0.0
 
 
-bpy.context.preferences.view.show_splash = False
-bpy.app.timers.register(main, first_interval=0.5)
+run(steps())

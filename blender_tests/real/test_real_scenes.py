@@ -14,7 +14,7 @@ from dataclasses import asdict
 import bpy
 import numpy as np
 from rumple.blender.objects import modifier
-from rumple.core.systems import wrinkle_mesh
+from rumple.core.systems.fold_density import EDGES_PER_WAVELENGTH
 from support.one_blender import in_one_blender, long_one
 from support.real_clip import Clip, Seen, digest
 from support.real_garment import OUT, EveryFrame
@@ -24,7 +24,7 @@ LONGEST = 3.0  # no shown edge is longer than this many times the same edge on t
 COMPRESSED = 0.9  # frames whose compressed regions have at most this share of their rest area are judged by it
 # Folds of the default radius (one fine edge, as amplitude of a sine) and width (EDGES_PER_WAVELENGTH edges) make a
 # compressed sheet at most this many times as large: 1 + (pi amplitude / wavelength)^2.
-FOLDS_REACH = 1.0 + (math.pi / wrinkle_mesh.EDGES_PER_WAVELENGTH) ** 2
+FOLDS_REACH = 1.0 + (math.pi / EDGES_PER_WAVELENGTH) ** 2
 
 
 class PlayedThrough(EveryFrame):

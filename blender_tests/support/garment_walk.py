@@ -18,7 +18,8 @@ PAINT = "Rumple Radius"
 SETTINGS = dict(
     MESH=(("radius", 0.5), ("bending", 0.2), ("level", 0), ("level", 1), ("hem_rings", 0), ("attachment", "PN"),
           ("attachment", "LIMIT"), ("source", "REGULAR"), ("source", "SUBDIVISION"), ("display_steps", 1),
-          ("collision", "NONE"), ("rest_shape", "ADAPTIVE"), ("rest_shape", "REST_POSE")),
+          ("collision", "NONE"), ("rest_shape", "ADAPTIVE"), ("rest_shape", "REST_POSE"), ("gpu_preview", False),
+          ("gpu_preview", True)),
     FIELD=(("output", "GEOMETRY"), ("output", "SHADING"), ("detail", 2), ("source", "EDGE_LENGTH"),
            ("profile", "CURVE"), ("profile", "ACCORDION"), ("irregularity", 0.5), ("rounds", 3), ("seed", 2),
            ("start", "RANDOM"), ("rest_shape", "ADAPTIVE"), ("gpu_preview", False), ("gpu_preview", True)),
@@ -162,7 +163,8 @@ class Walk(RandomWalk):
         obj = self.pick(ours=False)
         if obj and len(obj.data.vertices) < 1500 and path_curves.find(obj) is None:
             obj.rumple.mesh.density, obj.rumple.mesh.level, obj.rumple.mesh.display_steps = "LEVEL", 1, 0
-            obj.rumple.field.gpu_preview = obj.rumple.paths.gpu_preview = True
+            for group in (obj.rumple.mesh, obj.rumple.field, obj.rumple.paths):
+                group.gpu_preview = True
             self.add(obj)
 
     def add(self, obj: bpy.types.Object) -> None:

@@ -1,14 +1,18 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The GPU preview of the Wrinkle Mesh: its solve against the library, its pictures against the fine mesh, its manners."""
+"""The GPU preview of the Wrinkle Mesh: its solve against the library, its pictures against the fine mesh."""
 from __future__ import annotations
 
+import tempfile
+import unittest
+from pathlib import Path
 from typing import Iterator
 
 import bpy
+import gpu
 import numpy as np
-from rumple.blender import compat
+from rumple.blender import compat, handlers
 from rumple.blender.objects import modifier, runtimes
-from rumple.blender.viewport import gpu_mesh, preview
+from rumple.blender.viewport import gpu_mesh, preview, preview_mesh
 from rumple.blender.viewport.gpu_arrays import read
 from support import sleeve
 from support.preview_case import PreviewCase, smooth
@@ -19,8 +23,7 @@ class MeshCase(PreviewCase):
 
     def begun(self, **settings: object) -> Iterator[float]:
         """The sleeve with one layer of wrinkles, drawn at the clip's first frame."""
-        yield from self.make(**{"layers": "ONE", "density": "LEVEL", "level": 2, "display_steps": 0,
-                              **settings})
+        yield from self.make(**{"layers": "ONE", "density": "LEVEL", "level": 2, "display_steps": 0, **settings})
         yield from self.drawn_at(1)
 
     def runtime(self) -> runtimes.Runtime:
@@ -51,6 +54,10 @@ class MeshCase(PreviewCase):
         return out
 
 
+has_compute = unittest.skipUnless(hasattr(gpu, "compute"), "this Blender has no compute shaders")
+
+
+@has_compute
 class Solved(MeshCase):
 
     def test_it_goes_on_by_itself_as_the_library_does(self) -> Iterator[float]:
@@ -101,6 +108,7 @@ class Solved(MeshCase):
         self.assertLess(largest.max(), 0.3 * 1.001)
 
 
+@has_compute
 class Pictures(MeshCase):
 
     def test_it_looks_like_the_fine_mesh(self) -> Iterator[float]:
@@ -151,7 +159,32 @@ class Pictures(MeshCase):
             self.assertTrue(np.isfinite(places).all())
 
 
+class WithoutComputeShaders(MeshCase):
+
+    @unittest.skipIf(hasattr(gpu, "compute"), "this Blender has them")
+    def test_the_fine_mesh_is_shown(self) -> Iterator[float]:
+        yield from self.make(layers="ONE", density="LEVEL", level=2)
+        sleeve.at(5)
+        yield from self.settled(False)
+        self.assertEqual(len(preview._on_gpu), 0)
+        self.assertEqual(preview.refusal(self.obj), "")
+
+
+@has_compute
 class Manners(MeshCase):
+
+    def test_a_driver_that_refuses_it_leaves_the_fine_mesh(self) -> Iterator[float]:
+        yield from self.begun()
+        tried = self.refuse(preview_mesh)
+        self.area.tag_redraw()
+        yield from self.settled(False)
+        self.assertEqual(len(tried), 1)
+        self.assertEqual(preview.refusal(self.obj), preview.REFUSED)
+
+    def test_each_material_has_its_triangles(self) -> Iterator[float]:
+        yield from self.begun()
+        self.assertEqual(self.held().drawing.slots(), [0, 1])
+        self.assertTrue(self.held().drawing.has_uv)
 
     def test_blender_evaluates_the_coarse_mesh_meanwhile(self) -> Iterator[float]:
         yield from self.begun()
@@ -174,3 +207,47 @@ class Manners(MeshCase):
             self.assertEqual(len(preview._on_gpu), 0, settings)
             nodes_mod = modifier.find(self.obj)
             self.assertFalse(preview.uses_proxy(self.obj, nodes_mod), settings)
+            self.assertEqual(preview.refusal(self.obj), preview.NOT_DRAWN)
+
+    def test_what_is_baked_saved_and_applied_has_the_bits_of_the_library(self) -> Iterator[float]:
+        """Frames that wait because the card has drawn them are solved by the library, from the clip's first frame."""
+        yield from self.begun(gpu_preview=False, level=1)
+        sleeve.play()
+        fine = sleeve.shown(self.obj)
+        self.obj.rumple.mesh.gpu_preview = True
+        yield from self.drawn_at(1)
+        self.runtime().evaluator.frame_cache.clear()
+        yield from self.drawn_at(2)
+        for frame in range(1, sleeve.LAST + 1):
+            yield from self.drawn_at(frame)
+        self.assertTrue(self.runtime().evaluator.frame_cache.get(float(sleeve.LAST)).waits)
+        with tempfile.TemporaryDirectory() as folder:
+            blend = str(Path(folder) / "preview.blend")
+            with sleeve.context():
+                bpy.ops.wm.save_as_mainfile(filepath=blend)
+            yield from self.settled()
+            self.obj.rumple.bake_end = sleeve.LAST
+            with sleeve.context():
+                sleeve.make_active(self.obj)
+                bpy.ops.object.rumple_bake()
+            sleeve.at(sleeve.LAST)
+            np.testing.assert_allclose(sleeve.shown(self.obj), fine, atol=2e-7)  # live meshes are embedded: rounded
+            handlers.unregister()
+            try:
+                with sleeve.context():
+                    bpy.ops.wm.open_mainfile(filepath=blend)
+                yield 0.3
+                np.testing.assert_array_equal(sleeve.shown(bpy.data.objects["Sleeve"]), fine)
+            finally:
+                handlers.register()
+            with sleeve.context():
+                bpy.ops.wm.open_mainfile(filepath=blend)
+            yield 0.3
+            self.obj = bpy.data.objects["Sleeve"]
+            sleeve.play()
+            with sleeve.context():
+                sleeve.make_active(self.obj)
+                bpy.ops.object.rumple_apply()
+        found = np.empty(3 * len(self.obj.data.vertices), np.float32)
+        self.obj.data.vertices.foreach_get("co", found)
+        np.testing.assert_array_equal(found.reshape(-1, 3), fine)

@@ -15,7 +15,7 @@ from rumple.core.mesh.base_mesh import BaseMesh
 from rumple.core.mesh.body import Body
 from rumple.core.settings.presets import MESH_PRESETS
 from rumple.core.settings.system_settings import MeshSettings
-from rumple.core.systems.wrinkle_mesh import WrinkleMesh, level_for, suggested_wavelength, wavelength_of
+from rumple.core.systems.wrinkle_mesh import WrinkleMesh
 from support.frames import solve_frame
 from support.meshes import compressed, quad_mesh, rotated, sheet, tube
 
@@ -303,19 +303,6 @@ class PictureLaws(unittest.TestCase):
 
 
 class FineMesh(unittest.TestCase):
-    def test_the_wavelength_asked_for_chooses_the_level(self) -> None:
-        base = tube(12, 12)
-        for level in range(4):
-            self.assertEqual(level_for(base, wavelength_of(base, level, 1.0), 1.0), level)
-        self.assertEqual(level_for(base, wavelength_of(base, 2, 0.01), 0.01), 2, "in metres, whatever the scale is")
-
-    def test_the_fitting_wavelength_suits_dolls_and_giants_and_spares_dense_meshes(self) -> None:
-        for unit_scale in (0.05, 1.0, 20.0):
-            base = tube(12, 12)
-            self.assertEqual(level_for(base, suggested_wavelength(base, unit_scale), unit_scale), 2)
-        dense = tube(160, 160)
-        self.assertEqual(level_for(dense, suggested_wavelength(dense, 1.0), 1.0), 0)
-
     def test_corner_values_keep_their_seam(self) -> None:
         base = tube(8, 2)
         mesh = WrinkleMesh.build(base, SETTINGS)

@@ -12,7 +12,8 @@ from rumple.core.settings.cloth_settings import ClothSettings
 from rumple.core.settings.fabrics import COTTON, FABRICS, GRAVITY
 from rumple.core.settings.presets import MESH_PRESETS, PATHS_PRESETS
 from rumple.core.settings.system_settings import MeshSettings
-from rumple.core.systems.wrinkle_mesh import WrinkleMesh, halvings, layers_for, wavelength_of
+from rumple.core.systems.fold_density import halvings, layers_for, level_for, suggested_wavelength, wavelength_of
+from rumple.core.systems.wrinkle_mesh import WrinkleMesh
 from support.frames import solve_frame
 from support.meshes import compressed, tube
 
@@ -66,6 +67,18 @@ class Wavelengths(unittest.TestCase):
 
     def setUp(self) -> None:
         self.base = tube(12, 12)
+
+    def test_the_wavelength_asked_for_chooses_the_level(self) -> None:
+        for level in range(4):
+            self.assertEqual(level_for(self.base, wavelength_of(self.base, level, 1.0), 1.0), level)
+        self.assertEqual(level_for(self.base, wavelength_of(self.base, 2, 0.01), 0.01), 2,
+                         "in metres, whatever the scale is")
+
+    def test_the_fitting_wavelength_suits_dolls_and_giants_and_spares_dense_meshes(self) -> None:
+        for unit_scale in (0.05, 1.0, 20.0):
+            self.assertEqual(level_for(self.base, suggested_wavelength(self.base, unit_scale), unit_scale), 2)
+        dense = tube(160, 160)
+        self.assertEqual(level_for(dense, suggested_wavelength(dense, 1.0), 1.0), 0)
 
     def test_there_is_more_of_the_finer_layers_the_shorter_the_wavelength(self) -> None:
         longest = wavelength_of(self.base, 0, 1.0)

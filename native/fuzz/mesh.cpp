@@ -73,6 +73,25 @@ void solve(World& world, Bytes& bytes) {
     keep_state(world, state, model.base, model.model);
 }
 
+// The constraints for a graphics card, which refers to vertices and passes that exist.
+void check_passes(const rumple_wrinkle_mesh* model, const rumple_wrinkle_mesh_view& base,
+                  const rumple_wrinkle_mesh_settings& settings, const rumple_wrinkle_mesh_paint* paint) {
+    auto* passes =
+        MAKE(rumple_wrinkle_mesh_passes, rumple_wrinkle_mesh_passes_build, model, &settings, paint);
+    rumple_wrinkle_mesh_passes_view view;
+    if (CALL(rumple_wrinkle_mesh_passes_get_view, passes, &view) == RUMPLE_OK) {
+        const auto vertices = size_t(view.vertex_count), pairs = size_t(view.pair_count);
+        for (const float* values : {view.radius, view.depth, view.push, view.noise})
+            expect_finite("passes", values, vertices);
+        for (const float* values : {view.rest, view.stretched, view.stiffness})
+            expect_finite("pairs of passes", values, pairs);
+        expect_within("pairs", view.pairs, 2 * pairs, 0, view.vertex_count);
+        expect_within("of_pass", view.of_pass, pairs, 0, view.pass_count);
+        expect_within("base_vertices", view.base_vertices, 3 * vertices, 0, base.welded_count);
+    }
+    RUN(rumple_wrinkle_mesh_passes_free, passes);
+}
+
 void show(World& world, Bytes& bytes) {
     const auto model = world.meshes.pick(bytes);
     const auto pose = world.mesh_poses.pick_of(model.model, bytes);
@@ -93,6 +112,14 @@ void show(World& world, Bytes& bytes) {
     expect_of_model(status, model.model, "measure", pose, paint, state);
     if (status == RUMPLE_OK)
         expect_finite("measures", &measures.edge_error_before_rms, sizeof measures / sizeof(float));
+    check_passes(model.handle, view, settings, paint.handle);
+    std::vector<float> welded(3 * size_t(view.welded_count)), normals(welded), smooth(welded);
+    const std::vector<float> positions(3 * size_t(view.base_vertex_count), 1.0f);
+    CALL(rumple_wrinkle_mesh_weld_pose, model.handle, positions.data(), size_t(view.base_vertex_count),
+         welded.data(), normals.data(), smooth.data(), size_t(view.welded_count));
+    expect_finite("welded", welded.data(), welded.size());
+    expect_finite("normals", normals.data(), normals.size());
+    expect_finite("smooth", smooth.data(), smooth.size());
 }
 
 // Restores a state as from a file: a copy of its arrays, possibly damaged, for a model that may be another

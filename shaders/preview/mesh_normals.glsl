@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The normal of every shown vertex: the sum of its polygons' unit normals by their angles there, as in Blender.
+// The normal of a shown vertex: the sum of its polygons' unit normals by their angles there, as in Blender.
 //   corner_spans   first texel and number of texels in `corners`: the vertices after, opposite and before a corner
 
 vec3 corner_normal(vec3 own, ivec3 others) {
@@ -10,10 +10,9 @@ vec3 corner_normal(vec3 own, ivec3 others) {
     return size > 0.0 ? atan(length(cross(a, b)), dot(a, b)) / size * n : vec3(0.0);
 }
 
-void main() {
-    int v = THIS_TEXEL(corner_spans);
+void work(int v) {
     vec4 span = TEXEL(corner_spans, v);
     vec3 own = TEXEL(shown, v).xyz, sum = vec3(0.0);
     for (int i = int(span.x); i < int(span.x + span.y); ++i) sum += corner_normal(own, ivec3(TEXEL(corners, i).xyz));
-    out_normal = vec4(sum, 0.0);
+    WRITE(shown_normals, v, vec4(sum, 0.0));
 }

@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// One pass of an iteration: equations (3) to (5) for the pair of every vertex, if it has one in this pass.
+// One pass of an iteration: equations (3) to (5) for a pair. The pairs of a pass share no vertex.
 
-void main() {
-    int v = THIS_TEXEL(pairs);
-    vec4 pair = TEXEL(pairs, v);
-    vec4 own = TEXEL(solved, v);
-    out_solved = own;
-    if (pair.x >= 0.0)
-        out_solved.xyz = projected_pair(own.xyz, TEXEL(solved, int(pair.x)).xyz, TEXEL(lengths, v).x, pair.z);
+void work(int i) {
+    vec4 pair = TEXEL(pairs, i), now = TEXEL(lengths, i);
+    int a = int(pair.x), b = int(pair.y);
+    vec3 p1 = READ(solved, a).xyz, p2 = READ(solved, b).xyz;
+    WRITE(solved, a, vec4(projected_pair(p1, p2, now.x, now.z), 0.0));
+    WRITE(solved, b, vec4(projected_pair(p2, p1, now.x, now.z), 0.0));
 }

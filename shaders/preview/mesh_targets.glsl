@@ -1,24 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The targets of the pairs of one pass (section 4.1), and how much their vertices have to move.
-//   pairs        the other vertex or -1, s l0, stiffness, l0
-//   former       attachments of the frame before
-//   starts       w: what was active in the frame before
-//   lengths      of the frame before: target, length when it was solved last
-//   changes      of the passes before: activity, compression
+// The target of a pair (section 4.1).
+//   pairs     two vertices, s l0, l0
+//   starts    w: how far a vertex was active in the frame before
+//   lengths   target, length at the attachments when it was solved last, stiffness, length in this frame
 
-void main() {
-    int v = THIS_TEXEL(pairs);
-    vec4 pair = TEXEL(pairs, v);
-    vec4 change = is_first ? vec4(0.0) : TEXEL(changes, v);
-    out_length = vec4(0.0);
-    out_change = change;
-    if (pair.x < 0.0) return;
-    int other = int(pair.x);
-    float now = distance(TEXEL(attachments, v).xyz, TEXEL(attachments, other).xyz);
-    bool held = TEXEL(starts, v).w <= 0.0 && TEXEL(starts, other).w <= 0.0;
-    float solved = held ? TEXEL(lengths, v).y : distance(TEXEL(former, v).xyz, TEXEL(former, other).xyz);
-    float target = target_length(pair.y, now, stretch_relief, buckling_threshold, compression_limit);
-    out_length = vec4(target, solved, 0.0, 0.0);
-    out_change.x = max(change.x, pair_activity(now, solved, pair.w));
-    if (is_distance) out_change.y = max(change.y, pair_compression(now, target));
+void work(int i) {
+    vec4 pair = TEXEL(pairs, i), before = READ(lengths, i);
+    int a = int(pair.x), b = int(pair.y);
+    float now = distance(TEXEL(attachments, a).xyz, TEXEL(attachments, b).xyz);
+    bool held = TEXEL(starts, a).w <= 0.0 && TEXEL(starts, b).w <= 0.0;
+    float target = target_length(pair.z, now, stretch_relief, buckling_threshold, compression_limit);
+    WRITE(lengths, i, vec4(target, held ? before.y : before.w, before.z, now));
 }

@@ -40,9 +40,10 @@ class WrinkleMeshModel(SteppedModel):
         """Positions (n, 3) float32 of the base's vertices -> (w, 3) float32 of the welded ones: positions, unit normals
         (or zero), and where the surface that the fine mesh is attached to passes them. Raises ValueError."""
         place, count = given(positions, "positions", FLOAT, 3)
-        arrays = tuple(new(FLOAT, self.welded_count, 3) for _ in range(3))
-        lib.rumple_wrinkle_mesh_weld_pose(self, place, count, *map(address, arrays), self.welded_count)
-        return arrays
+        welded, normals, smooth = (new(FLOAT, self.welded_count, 3) for _ in range(3))
+        lib.rumple_wrinkle_mesh_weld_pose(self, place, count, address(welded), address(normals), address(smooth),
+                                          self.welded_count)
+        return welded, normals, smooth
 
 
 def build_wrinkle_mesh(base: Surface, source: str = "SUBDIVISION", level: int = 2, segments: int = 4,
@@ -157,8 +158,8 @@ class WrinkleMeshState(FrameState):
 
 
 class WrinkleMeshPasses(Handle):
-    """The constraints of a solve as passes over all vertices, for a solver on the graphics card: v vertices in the order
-    of `vertex`, p pairs. Lengths: object units."""
+    """The constraints of a solve as passes, for a solver on the graphics card: v vertices in the order of `vertex`, p
+    pairs. Lengths: object units."""
 
     __slots__ = ()
     POINTER, FREE = c.WrinkleMeshPassesPointer, "rumple_wrinkle_mesh_passes_free"
@@ -255,5 +256,5 @@ def measure_wrinkle_mesh(model: WrinkleMeshModel, settings: WrinkleMeshSettings,
 
 
 __all__ = ["WrinkleMeshMeasures", "WrinkleMeshModel", "WrinkleMeshPaint", "WrinkleMeshPasses", "WrinkleMeshPose",
-           "WrinkleMeshReport", "WrinkleMeshSettings", "WrinkleMeshState", "build_wrinkle_mesh", "measure_wrinkle_mesh", "show_wrinkle_mesh",
-           "solve_wrinkle_mesh"]
+           "WrinkleMeshReport", "WrinkleMeshSettings", "WrinkleMeshState", "build_wrinkle_mesh",
+           "measure_wrinkle_mesh", "show_wrinkle_mesh", "solve_wrinkle_mesh"]

@@ -110,8 +110,8 @@ def _gpu_preview(description: str) -> Any:
 
 
 RUMPLE_MeshSettings = _settings_group("MESH", gpu_preview=_gpu_preview(
-    "Solve and draw the wrinkles of Solid viewports on the graphics card, which is much faster for dense meshes. Needs "
-    "Layers off, and no base cloth and no bodies. Renders and other viewports show the fine mesh"))
+    "Solve and draw the wrinkles of Solid viewports on the graphics card, which is faster for dense meshes. It needs "
+    "one layer, no base cloth and no body. Renders and other viewports show the fine mesh"))
 RUMPLE_FieldSettings = _settings_group("FIELD", gpu_preview=_gpu_preview(
     "Draw the waves in Solid viewports, on the graphics card"))
 RUMPLE_PathsSettings = _settings_group("PATHS", gpu_preview=_gpu_preview(

@@ -123,7 +123,8 @@ class DATA_PT_rumple_fine_mesh(Panel, bpy.types.Panel):
         steps = column.column(align=True)
         steps.prop(obj.rumple, "viewport_steps", text="Smooth Viewport")
         steps.prop(settings, "display_steps", text="Render")
-        column.prop(settings, "gpu_preview")
+        if preview.can_solve_meshes():
+            column.prop(settings, "gpu_preview")
         column.prop(obj.rumple, "most_vertices")
         column.prop(settings, "weld")
         if settings.source != "OBJECT":

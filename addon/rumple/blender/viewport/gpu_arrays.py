@@ -17,7 +17,6 @@ from . import glsl
 
 _WIDTH = 1024  # texels in a row of an array; any number works
 _FORMAT = "RGBA32F"
-_CHANNELS = {_FORMAT: 4, "RG32F": 2}
 _MOST_ROWS = 16384  # of a texture, which every card for OpenGL 4 has
 _BUFFER_STEP = 1 << 20  # floats: step size of the buffer for overlays, 512 x 512 pixels
 OVERLAY_CONSTANTS = (("IVEC2", "overlays_corner"), ("INT", "overlays_are_linear"))  # of under_overlays.glsl
@@ -29,43 +28,35 @@ def _shape(count: int) -> tuple[int, int]:
     return width, -(-max(count, 1) // width)
 
 
-def upload(values: np.ndarray, form: str = _FORMAT) -> gpu.types.GPUTexture:
-    """(n, k) numbers as a texture; k up to 4, or 2 for the format RG32F. Unused channels of a texel are zero."""
+def upload(values: np.ndarray) -> gpu.types.GPUTexture:
+    """(n, k) numbers, k up to 4, as a texture. Unused channels of a texel are zero."""
     values = np.asarray(values, np.float32)
     width, height = _shape(len(values))
-    texels = np.zeros((width * height, _CHANNELS[form]), np.float32)
+    texels = np.zeros((width * height, 4), np.float32)
     texels[:len(values), :values.shape[1]] = values
     data = gpu.types.Buffer("FLOAT", texels.size, texels.ravel())
-    return gpu.types.GPUTexture((width, height), format=form, data=data)
+    return gpu.types.GPUTexture((width, height), format=_FORMAT, data=data)
 
 
-def empty(count: int, form: str = _FORMAT) -> gpu.types.GPUTexture:
-    """A texture of this number of texels, for a Target."""
-    return gpu.types.GPUTexture(_shape(count), format=form)
+def empty(count: int) -> gpu.types.GPUTexture:
+    """A texture of this number of texels, to be written."""
+    return gpu.types.GPUTexture(_shape(count), format=_FORMAT)
 
 
 def check_size(count: int) -> None:
     """Raises UserError if no texture has this number of texels. (Floats are exact indices of them.)"""
     if count > _WIDTH * _MOST_ROWS:
-        raise UserError("The mesh is too large for the GPU Preview: the fine mesh is shown")
+        raise UserError("GPU Preview of this mesh needs larger textures than graphics cards have: the fine mesh is "
+                        "shown")
 
 
 class Target:
     """An array that passes write: one or more textures of `count` texels."""
 
     def __init__(self, count: int, textures: int = 1) -> None:
-        self._take(count, [empty(count) for _ in range(textures)])
-
-    @classmethod
-    def of(cls, count: int, textures: list[gpu.types.GPUTexture]) -> "Target":
-        """A target that writes to given textures, which other targets may have too."""
-        target = cls.__new__(cls)
-        target._take(count, textures)
-        return target
-
-    def _take(self, count: int, textures: list[gpu.types.GPUTexture]) -> None:
-        self.count, self.textures = count, textures
-        self.frame_buffer = gpu.types.GPUFrameBuffer(color_slots=tuple(textures))
+        self.count = count
+        self.textures = [empty(count) for _ in range(textures)]
+        self.frame_buffer = gpu.types.GPUFrameBuffer(color_slots=tuple(self.textures))
 
     def read(self, texture: int = 0) -> np.ndarray:
         """Its (count, 4) float32. It waits for the GPU, so it is only for tests."""

@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The solver of the Wrinkle Mesh on the graphics card: M. Mueller and N. Chentanez, Wrinkle Meshes, SCA 2010, section 4.
+"""The solver of the Wrinkle Mesh on the graphics card: Mueller and Chentanez, Wrinkle Meshes, SCA 2010, section 4.
 
-As in the paper, the wrinkle mesh stays on the card: a frame uploads the positions and normals of the base. The result is
-that of the library but for rounding, because every pass projects the pairs in the library's order.
+As in the paper, the wrinkle mesh stays on the card: a frame uploads the positions and normals of the base. The result
+is that of the library but for rounding, because the passes project the pairs in the library's order. They are compute
+shaders, not fragment shaders: each touches only its own pairs, and some cards have few units for fragments.
 """
 from __future__ import annotations
 
@@ -11,37 +12,38 @@ from typing import Any
 import gpu
 import numpy as np
 
-from ...core.base.wording import UserError
 from . import glsl, gpu_arrays
-from .gpu_arrays import Pass, Target, upload
+from .gpu_arrays import empty, upload
+from .gpu_kernels import Kernel
 
-_SHARED = ("preview/texels", "shared/wrinkle_mesh")
-_PAIR, _LENGTHS = "RGBA32F", "RG32F"
-_BOUNDS = ("attachments", "normals", "bounds")
+_READ_WRITE, _WRITE = {"READ", "WRITE"}, {"WRITE"}
 
 
-class Passes:
+class Kernels:
     """The compiled stages, which all objects share."""
 
     def __init__(self) -> None:
-        def stage(name: str, *arguments: Any, more: tuple[str, ...] = ()) -> Pass:
-            return Pass(glsl.source(*_SHARED, *more, f"preview/mesh_{name}"), *arguments)
+        def stage(name: str, inputs: tuple[str, ...], images: dict[str, set[str]], *constants: str,
+                  more: tuple[str, ...] = ()) -> Kernel:
+            source = glsl.source("preview/texels", "preview/images", *more, "shared/wrinkle_mesh",
+                                 f"preview/mesh_{name}")
+            return Kernel(source, inputs, images, tuple(("FLOAT", constant) for constant in constants))
 
-        self.attach = stage("attach", ("places", "spans", "limits", "positions", "normals"),
-                            ("out_attachment", "out_normal"), (("FLOAT", "curved"),), more=("shared/pn_triangle",))
-        self.targets = stage("targets", ("pairs", "attachments", "former", "starts", "lengths", "changes"),
-                             ("out_length", "out_change"),
-                             (("FLOAT", "stretch_relief"), ("FLOAT", "buckling_threshold"),
-                              ("FLOAT", "compression_limit"), ("BOOL", "is_first"), ("BOOL", "is_distance")))
-        self.start = stage("start", ("changes", "neighbour_spans", "neighbours", "places", "positions", "attachments",
-                                     "normals", "offsets", "bounds"), ("out_start", "out_solved"))
-        self.relax = stage("relax", ("pairs", "lengths", "solved"), ("out_solved",))
-        self.bounds = stage("bounds", ("solved", *_BOUNDS), ("out_solved",),
-                            (("FLOAT", "tangential_pull"), ("FLOAT", "normal_pull")))
-        self.finish = stage("finish", ("solved", "starts", "places", "positions", "offsets", *_BOUNDS),
-                            ("out_solved", "out_offset"), (("FLOAT", "damping"),))
-        self.show = stage("show", ("row_spans", "rows", "solved"), ("out_place",))
-        self.normals = stage("normals", ("corner_spans", "corners", "shown"), ("out_normal",))
+        on_base, within = ("places", "positions"), ("attachments", "normals", "bounds")
+        around = ("pairs", "pair_spans", "pairs_of")
+        self.attach = stage("attach", (*on_base, "spans", "limits", "base_normals"),
+                            {"attachments": _WRITE, "normals": _WRITE}, "curved", more=("shared/pn_triangle",))
+        self.targets = stage("targets", ("pairs", "attachments", "starts"), {"lengths": _READ_WRITE}, "stretch_relief",
+                             "buckling_threshold", "compression_limit")
+        self.changes = stage("changes", (*around, "lengths"), {"changes": _WRITE})
+        self.start = stage("start", (*around, *on_base, *within, "changes", "offsets"),
+                           {"starts": _WRITE, "solved": _WRITE})
+        self.relax = stage("relax", ("pairs", "lengths"), {"solved": _READ_WRITE})
+        self.bounds = stage("bounds", within, {"solved": _READ_WRITE}, "tangential_pull", "normal_pull")
+        self.finish = stage("finish", (*on_base, *within, "starts"),
+                            {"solved": _READ_WRITE, "offsets": _READ_WRITE}, "damping")
+        self.show = stage("show", ("row_spans", "rows", "solved"), {"shown": _WRITE})
+        self.normals = stage("normals", ("corner_spans", "corners", "shown"), {"shown_normals": _WRITE})
 
 
 def packed(start: np.ndarray, *columns: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -59,163 +61,104 @@ def packed(start: np.ndarray, *columns: np.ndarray) -> tuple[np.ndarray, np.ndar
 
 
 class GpuMesh:
-    """The textures of one object: what depends only on rest pose, settings and paint, and the state. Arrays of solved
-    vertices are in the order of the native passes, so that neighbours lie near one another."""
+    """The arrays of one object: what depends only on rest pose, settings and paint, and the state. Solved vertices are
+    in the order of the native passes, so that neighbours lie near one another."""
 
-    def __init__(self, passes: Passes, constraints: Any, settings: Any) -> None:
-        """constraints: WrinkleMeshPasses, made with these settings: WrinkleMeshSettings. Raises UserError if a texture
-        is too small for the mesh. Cost: O(pairs), once for each change of the settings."""
-        self._passes, self._settings = passes, settings
-        count = self.count = constraints.vertex_count
-        self.vertex = constraints.vertex
+    def __init__(self, kernels: Kernels, constraints: Any, settings: Any) -> None:
+        """constraints: WrinkleMeshPasses, made with these settings: WrinkleMeshSettings. Raises UserError if the mesh
+        is too large for a texture. Cost: O(pairs), once for each change of the settings."""
+        self._kernels, self._settings = kernels, settings
+        self.count, self.vertex = constraints.vertex_count, constraints.vertex
         self._curved = float(constraints.curved)
-        self._places = upload(constraints.base_vertices)
         spans, limits = packed(constraints.limit_start, constraints.limit_vertex, constraints.limit_weight)
-        gpu_arrays.check_size(max(count, len(limits)))
-        self._spans = upload(np.column_stack((constraints.weights, spans)))
-        self._limits = upload(limits)
-        self._bounds = upload(np.column_stack((constraints.radius, constraints.depth, constraints.push,
-                                               constraints.noise)))
+        gpu_arrays.check_size(max(self.count, len(limits), len(constraints.pairs)))
+        self._arrays = {
+            "places": upload(constraints.base_vertices), "limits": upload(limits),
+            "spans": upload(np.column_stack((constraints.weights, spans))),
+            "bounds": upload(np.column_stack((constraints.radius, constraints.depth, constraints.push,
+                                              constraints.noise))),
+            **{name: empty(self.count) for name in ("attachments", "normals", "starts", "solved", "changes")}}
         self._collect_pairs(constraints)
-        self._collect_neighbours(constraints.pairs[:constraints.distance_count])
-        self._attached = [Target(count, 2) for _ in range(2)]  # attachments, normals: of this frame and the one before
-        self._started, self._solved = Target(count, 2), [Target(count) for _ in range(2)]
-        self._finished = [Target(count, 2) for _ in range(2)]  # positions, offsets: reads its former result
-        changes = [Target(count) for _ in range(2)]
-        self._measured = [[Target.of(count, [gpu_arrays.empty(count, _LENGTHS), changes[j % 2].textures[0]])
-                           for j in range(len(self._pairs))] for _ in range(2)]
-        self._unchanged = upload(np.zeros((count, 4), np.float32))
 
     def _collect_pairs(self, constraints: Any) -> None:
-        """The pair of every vertex in every pass, and which pairs these are."""
-        order = np.argsort(constraints.of_pass, kind="stable")
-        ends = np.searchsorted(constraints.of_pass[order], np.arange(1, constraints.pass_count + 1))
-        self._pairs: list[gpu.types.GPUTexture] = []
-        self._is_distance: list[bool] = []
-        self._in_pass: list[tuple[np.ndarray, np.ndarray]] = []  # pairs of the native side; vertices, (2, n)
-        for which in np.split(order, ends[:-1]):
-            ends_of = constraints.pairs[which].T
-            texels = np.zeros((self.count, 4), np.float32)
-            texels[:, 0] = -1.0
-            for own, other in (ends_of, ends_of[::-1]):
-                texels[own] = np.column_stack((other, constraints.stretched[which], constraints.stiffness[which],
-                                               constraints.rest[which]))
-            self._pairs.append(upload(texels))
-            self._is_distance.append(bool(len(which)) and int(which[0]) < constraints.distance_count)
-            self._in_pass.append((which, ends_of))
-
-    def _collect_neighbours(self, edges: np.ndarray) -> None:
-        """The vertices at the other ends of edges, (e, 2), four in a texel."""
-        own, other = np.concatenate([edges, edges[:, ::-1]]).T
-        order = np.argsort(own, kind="stable")
-        counts = np.bincount(own, minlength=self.count)
-        entries = np.zeros(4 * -(-len(other) // 4), np.float32)
-        entries[:len(other)] = other[order]
-        self._neighbour_spans = upload(np.column_stack((np.cumsum(counts) - counts, counts)))
-        self._neighbours = upload(entries.reshape(-1, 4))
+        """Pairs in the order of the passes, and the pairs of every vertex, first those that keep distances."""
+        order = self._pair_order = np.argsort(constraints.of_pass, kind="stable")
+        counts = np.bincount(constraints.of_pass, minlength=constraints.pass_count)
+        self._ranges = [(int(first), int(count)) for first, count in zip(np.cumsum(counts) - counts, counts) if count]
+        pairs = constraints.pairs[order]
+        self._stiffness = constraints.stiffness[order]
+        is_bending = np.tile(order >= constraints.distance_count, 2)
+        ends, index = pairs.T.ravel(), np.tile(np.arange(len(pairs)), 2)
+        of_vertex = np.lexsort((is_bending, ends))
+        totals = np.bincount(ends, minlength=self.count)
+        distances = np.bincount(ends[~is_bending], minlength=self.count)
+        entries = np.zeros(4 * -(-max(len(index), 1) // 4), np.float32)
+        entries[:len(index)] = index[of_vertex]
+        self._arrays.update(
+            pairs=upload(np.column_stack((pairs, constraints.stretched[order], constraints.rest[order]))),
+            pair_spans=upload(np.column_stack((np.cumsum(totals) - totals, totals, distances))),
+            pairs_of=upload(entries.reshape(-1, 4)))
 
     def begin(self, offset: np.ndarray, solved_length: np.ndarray) -> None:
         """Take over the state of a solved frame: the arrays of a WrinkleMeshState. No vertex is active in it."""
-        self._offsets = upload(offset[self.vertex])
-        self._lengths: list[gpu.types.GPUTexture] = []
-        for which, ends_of in self._in_pass:
-            texels = np.zeros((self.count, 2), np.float32)
-            for own in ends_of:
-                texels[own, 1] = solved_length[which]
-            self._lengths.append(upload(texels, _LENGTHS))
-        self._starts = self._unchanged
+        lengths = np.zeros((len(solved_length), 4), np.float32)
+        lengths[:, 1], lengths[:, 2] = solved_length[self._pair_order], self._stiffness
+        self._arrays.update(offsets=upload(offset[self.vertex]), lengths=upload(lengths),
+                            changes=upload(np.zeros((self.count, 4), np.float32)))
 
     def pose(self, positions: np.ndarray, normals: np.ndarray) -> None:
         """Upload this frame's welded vertices of the base, both (w, 3), and attach the mesh to them (section 4)."""
-        self._positions = upload(positions)
-        self._attached.reverse()
-        self._passes.attach.run(self._attached[0], {
-            "places": self._places, "spans": self._spans, "limits": self._limits, "positions": self._positions,
-            "normals": upload(normals)}, curved=self._curved)
+        self._arrays.update(positions=upload(positions), base_normals=upload(normals))
+        self._kernels.attach.run(self.count, self._arrays, curved=self._curved)
 
     def stay(self) -> None:
         """The frame whose state was taken over, as it was solved."""
-        self._start(self._unchanged)
-        self._solution = self._started.textures[0]
+        self._kernels.start.run(self.count, self._arrays)
 
     def solve(self) -> None:
-        """Go on from the frame before (section 4.1). Cost: O(iterations x passes x vertices)."""
-        self._start(self._measure())
-        self._starts = self._started.textures[0]
-        self._solution = self._relax(self._started.textures[1])
-        self._finished.reverse()
-        self._passes.finish.run(self._finished[0], {
-            "solved": self._solution, "starts": self._starts, "offsets": self._offsets, **self._on_base(),
-            **self._within()}, damping=self._settings.damping)
-        self._solution, self._offsets = self._finished[0].textures
-
-    def _on_base(self) -> dict[str, gpu.types.GPUTexture]:
-        return {"places": self._places, "positions": self._positions}
-
-    def _within(self) -> dict[str, gpu.types.GPUTexture]:
-        return dict(zip(_BOUNDS, (*self._attached[0].textures, self._bounds)))
-
-    def _measure(self) -> gpu.types.GPUTexture:
-        """The targets of all pairs. Returns the texture with what changed around every vertex."""
-        settings, changes = self._settings, self._unchanged
-        attachments, former = (attached.textures[0] for attached in self._attached)
-        self._measured.reverse()
-        for j, (pairs, target) in enumerate(zip(self._pairs, self._measured[0])):
-            self._passes.targets.run(target, {
-                "pairs": pairs, "attachments": attachments, "former": former, "starts": self._starts,
-                "lengths": self._lengths[j], "changes": changes}, stretch_relief=settings.stretch_relief,
-                buckling_threshold=settings.buckling_threshold, compression_limit=settings.compression_limit,
-                is_first=j == 0, is_distance=self._is_distance[j])
-            self._lengths[j], changes = target.textures
-        return changes
-
-    def _start(self, changes: gpu.types.GPUTexture) -> None:
-        self._passes.start.run(self._started, {
-            "changes": changes, "neighbour_spans": self._neighbour_spans, "neighbours": self._neighbours,
-            "offsets": self._offsets, **self._on_base(), **self._within()})
-
-    def _relax(self, solved: gpu.types.GPUTexture) -> gpu.types.GPUTexture:
-        """The positions after all iterations."""
-        settings, within = self._settings, self._within()
+        """Go on from the frame before (section 4.1). Cost: O(iterations x pairs)."""
+        kernels, settings, count, arrays = self._kernels, self._settings, self.count, self._arrays
+        kernels.targets.run(len(self._pair_order), arrays, stretch_relief=settings.stretch_relief,
+                            buckling_threshold=settings.buckling_threshold,
+                            compression_limit=settings.compression_limit)
+        kernels.changes.run(count, arrays)
+        kernels.start.run(count, arrays)
         for _ in range(settings.iterations):
-            for pairs, lengths in zip(self._pairs, self._lengths):
-                solved = self._next(self._passes.relax, {"pairs": pairs, "lengths": lengths, "solved": solved})
-            solved = self._next(self._passes.bounds, {"solved": solved, **within},
-                                tangential_pull=settings.tangential_pull, normal_pull=settings.normal_pull)
-        return solved
+            kernels.relax.run_each(self._ranges, arrays)
+            kernels.bounds.run(count, arrays, tangential_pull=settings.tangential_pull,
+                               normal_pull=settings.normal_pull)
+        kernels.finish.run(count, arrays, damping=settings.damping)
 
-    def _next(self, stage: Pass, inputs: dict[str, gpu.types.GPUTexture], **constants: float) -> gpu.types.GPUTexture:
-        self._solved.reverse()
-        stage.run(self._solved[0], inputs, **constants)
-        return self._solved[0].textures[0]
-
-    # ------------------------------------------------------------ what was computed
     @property
     def solution(self) -> gpu.types.GPUTexture:
-        """Of the solved vertices in this frame."""
-        return self._solution
+        """The solved vertices in this frame."""
+        return self._arrays["solved"]
+
+    @property
+    def attachments(self) -> gpu.types.GPUTexture:
+        """a_i (section 4)"""
+        return self._arrays["attachments"]
 
     @property
     def offsets(self) -> gpu.types.GPUTexture:
         """o_i (section 4.1), in the frames of the base's triangles."""
-        return self._offsets
+        return self._arrays["offsets"]
 
 
 class GpuShownMesh:
     """The shown mesh of solved vertices: places and normals."""
 
-    def __init__(self, passes: Passes, shown: Any, vertex: np.ndarray) -> None:
+    def __init__(self, kernels: Kernels, shown: Any, vertex: np.ndarray) -> None:
         """shown: a native shown mesh. vertex: of every solved vertex in the card's order its number in the library.
         Cost: O(corners), once."""
-        self._passes = passes
-        count = shown.vertex_count
+        self._kernels, self.count = kernels, shown.vertex_count
         order = np.empty(len(vertex), np.int32)
         order[vertex] = np.arange(len(vertex), dtype=np.int32)
         spans, rows = packed(shown.solved_start, order[shown.solved_vertex], shown.solved_weight)
         gpu_arrays.check_size(max(len(shown.corner_vertex), len(rows)))
-        self._row_spans, self._rows = upload(spans), upload(rows)
+        self._arrays = {"row_spans": upload(spans), "rows": upload(rows), "shown": empty(self.count),
+                        "shown_normals": empty(self.count)}
         self._collect_corners(shown)
-        self._places, self._normals = Target(count), Target(count)
 
     def _collect_corners(self, shown: Any) -> None:
         """The other vertices of the polygons around every vertex."""
@@ -225,21 +168,21 @@ class GpuShownMesh:
         place = np.arange(len(corners)) - first
         order = np.argsort(corners, kind="stable")
         others = [corners[first + (place + step) % sizes][order] for step in (1, sizes - sizes // 2, sizes - 1)]
-        counts = np.bincount(corners, minlength=shown.vertex_count)
-        self._corner_spans = upload(np.column_stack((np.cumsum(counts) - counts, counts)))
-        self._corners = upload(np.column_stack(others))
+        counts = np.bincount(corners, minlength=self.count)
+        self._arrays.update(corner_spans=upload(np.column_stack((np.cumsum(counts) - counts, counts))),
+                            corners=upload(np.column_stack(others)))
 
     def show(self, solution: gpu.types.GPUTexture) -> None:
         """Cost: O(corners)."""
-        self._passes.show.run(self._places, {"row_spans": self._row_spans, "rows": self._rows, "solved": solution})
-        self._passes.normals.run(self._normals, {"corner_spans": self._corner_spans, "corners": self._corners,
-                                                 "shown": self._places.textures[0]})
+        self._arrays["solved"] = solution
+        self._kernels.show.run(self.count, self._arrays)
+        self._kernels.normals.run(self.count, self._arrays)
 
     @property
     def places(self) -> gpu.types.GPUTexture:
-        return self._places.textures[0]
+        return self._arrays["shown"]
 
     @property
     def normals(self) -> gpu.types.GPUTexture:
         """Not of length 1; zero where a vertex has no area around it."""
-        return self._normals.textures[0]
+        return self._arrays["shown_normals"]

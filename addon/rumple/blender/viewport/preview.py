@@ -2,13 +2,14 @@
 """The GPU preview: wrinkles in Solid viewports, drawn on the graphics card by Blender's gpu module.
 
 Everything runs in a viewport draw handler: in the main thread, with a drawing context. The drawings of the systems are
-in preview_mesh.py, preview_field.py and preview_paths.py. The preview is off in background mode and while a render runs.
+in preview_mesh.py, preview_field.py and preview_paths.py. The preview is off in background mode and while a render
+runs.
 
 The waves of a Wrinkle Field are drawn over Blender's own triangles. While all viewports draw them (uses_proxy()), the
-handlers write no attributes for shaders. A frame that the GPU computes from the frame before is solved on the CPU only
-when its result is needed (core/frame/frame_cache.py). A Wrinkle Mesh and the folds of Wrinkle Paths change the shape. While all viewports draw
-them (uses_proxy()), the handlers do not write the fine mesh. Blender then has the coarse mesh near the drawn surface, for
-depth, outlines and clicks.
+handlers write no attributes for shaders. A Wrinkle Mesh and the folds of Wrinkle Paths change the shape. While all
+viewports draw them, the handlers do not write the fine mesh. Blender then has the coarse mesh near the drawn surface,
+for depth, outlines and clicks. A frame of a Wrinkle Field or a Wrinkle Mesh that the GPU computes from the frame before
+is solved on the CPU only when its result is needed (core/frame/frame_cache.py).
 """
 from __future__ import annotations
 
@@ -24,7 +25,7 @@ from mathutils import Matrix
 from ...core.base.wording import UserError
 from .. import compat, scheduler
 from ..objects import bodies, incoming_mesh, messages, modifier, runtimes, viewport_mesh, weight_paint
-from . import gpu_arrays, preview_field, preview_mesh, preview_paths, studio_light
+from . import gpu_arrays, gpu_kernels, preview_field, preview_mesh, preview_paths, studio_light
 from .draw_handler import DrawHandler
 
 # How much nearer our triangles are drawn than Blender's: a share of the distance, or of the object's size. It is larger
@@ -96,9 +97,14 @@ def _clear() -> None:
 
 
 # ---------------------------------------------------------------- what is shown
+def can_solve_meshes() -> bool:
+    """Whether this Blender has what the preview of a Wrinkle Mesh needs: from 4 on."""
+    return gpu_kernels.are_available()
+
+
 def _is_wanted(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier) -> bool:
     """Whether the preview of an object is on, and its mode and modifier allow it."""
-    if obj.rumple.method not in _DRAWINGS:
+    if obj.rumple.method not in _DRAWINGS or (obj.rumple.method == "MESH" and not can_solve_meshes()):
         return False
     group, runtime = getattr(obj.rumple, obj.rumple.method.lower()), runtimes.known(obj)
     return (group.gpu_preview and getattr(group, "output", "SHADING") == "SHADING"
@@ -149,7 +155,8 @@ def uses_proxy(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier) -> boo
 def refusal(obj: bpy.types.Object) -> str:
     """Why the preview of an object is on but not drawn; empty if there is no reason."""
     runtime, on_gpu = runtimes.known(obj), _on_gpu.get(compat.session_key(obj))
-    if obj.rumple.method == "MESH" and obj.rumple.mesh.gpu_preview and runtime is not None and runtime.evaluator:
+    if (obj.rumple.method == "MESH" and obj.rumple.mesh.gpu_preview and can_solve_meshes() and runtime is not None
+            and runtime.evaluator is not None):
         if not runtime.evaluator.is_previewed(obj.rumple.mesh, bool(bodies.of(obj))):
             return NOT_DRAWN
     return on_gpu.refusal if on_gpu is not None else ""

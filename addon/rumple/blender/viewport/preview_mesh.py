@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The Wrinkle Mesh on the GPU: solved and drawn there, so that its vertices never leave it (Mueller and Chentanez 2010).
-
-Only a single mesh over the animation: bodies, base cloth and layers need searches that these passes do not have.
+"""The Wrinkle Mesh on the GPU: solved and drawn there, so that its vertices never leave it (Mueller and Chentanez
+2010). Only a single mesh over the animation: bodies, base cloth and layers need searches that these passes do not have.
 """
 from __future__ import annotations
 
@@ -14,7 +13,7 @@ import numpy as np
 from ...core.systems.wrinkle_mesh import MOST_UNDER_PROXY, WrinkleMesh
 from ..objects import incoming_mesh, mesh_reader, runtimes, units
 from . import gpu_arrays, proxy_layer
-from .gpu_mesh import GpuMesh, GpuShownMesh, Passes
+from .gpu_mesh import GpuMesh, GpuShownMesh, Kernels
 
 
 def _compile() -> gpu.types.GPUShader:
@@ -52,10 +51,10 @@ class Drawing:
         state = None if goes_on else evaluator.wrinkles_of(inputs.frame)
         if not goes_on and state is None:
             return False
-        passes = gpu_arrays.kept("mesh passes", Passes)
+        kernels = gpu_arrays.kept("mesh kernels", Kernels)
         if not same:
             constraints, settings = evaluator.passes(inputs.settings)
-            self.mesh = GpuMesh(passes, constraints, settings)
+            self.mesh = GpuMesh(kernels, constraints, settings)
             self._proxy = proxy_layer.Proxy(constraints.triangles)
         positions, normals, smooth = self._model.weld_pose(evaluator.base.points(inputs.positions))
         self.mesh.pose(positions, normals)
@@ -68,7 +67,7 @@ class Drawing:
         drawn = evaluator.in_viewport if inputs.in_viewport else evaluator
         self._collect_batches(obj, drawn, slots)
         if self.shown is None:
-            self.shown = GpuShownMesh(passes, drawn.shown, self.mesh.vertex)
+            self.shown = GpuShownMesh(kernels, drawn.shown, self.mesh.vertex)
         self.shown.show(self.mesh.solution)
         return True
 

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Drawings that change the shape: they are drawn into a layer with its own depth, which is then laid over the viewport.
+"""Drawings that change the shape: they are drawn into a layer with its own depth, which is laid over the viewport.
 
-Blender draws the coarse mesh meanwhile, as a proxy for depth, outlines and clicks. All functions need a drawing context.
+Blender draws the coarse mesh meanwhile, as a proxy for depth, outlines and clicks. All functions need a drawing
+context.
 """
 from __future__ import annotations
 
