@@ -56,8 +56,7 @@ def stages(side: int) -> dict[str, float]:
     shown = gpu_mesh.GpuShownMesh(kernels, model.shown, mesh.vertex)
     poses = [model.weld_pose(pressed(surface[0], share))[:2] for share in (0.10, 0.12)]
     mesh.pose(*poses[0])
-    mesh.begin(state.offset, state.solved_length)
-    mesh.stay()
+    mesh.take_over(state.offset, state.solved_length)
     turn = [0]
 
     def pose() -> None:

@@ -6,6 +6,7 @@ No card is asked: in place of `gpu` stands what writes down.
 """
 from __future__ import annotations
 
+import contextlib
 import os
 import re
 import shutil
@@ -16,7 +17,8 @@ from typing import Any
 from unittest import mock
 
 from mathutils import Matrix
-from rumple.blender.viewport import glsl, gpu_arrays, preview, preview_field, preview_paths, studio_light
+from rumple.blender.viewport import (glsl, gpu_arrays, gpu_kernels, gpu_mesh, preview, preview_field, preview_mesh,
+                                     preview_paths, proxy_layer, studio_light)
 from rumple.core.base.wording import UserError
 from support import sleeve
 
@@ -39,13 +41,17 @@ class Recorder:
         self.said: dict[str, list[tuple]] = {}
 
     def __getattr__(self, word: str) -> Any:
-        return lambda *arguments: self.said.setdefault(word, []).append(arguments)
+        return lambda *arguments, **named: self.said.setdefault(word, []).append((*arguments, *named.values()))
 
     def all(self, word: str) -> list[tuple]:
         return self.said.get(word, [])
 
+    def stages(self) -> list[str]:
+        return [stage for stage in ("vertex", "fragment", "compute") if self.all(f"{stage}_source")]
+
     def text(self, stage: str) -> str:
-        return str(self.all(f"{stage}_source")[0][0])
+        """Empty if it has no such stage."""
+        return "".join(text for (text,) in self.all(f"{stage}_source"))
 
     def between(self) -> list[tuple[str, str, str]]:
         """What goes from stage to stage: (how, type, name)."""
@@ -59,11 +65,11 @@ def recorded(recorder: type[Recorder] = Recorder) -> list[Recorder]:
     fake = mock.MagicMock()
     fake.types.GPUShaderCreateInfo = fake.types.GPUStageInterfaceInfo = recorder
     fake.shader.create_from_info = made.append
-    with mock.patch.object(gpu_arrays, "gpu", fake), mock.patch.object(preview_field, "gpu", fake), \
-            mock.patch.object(preview_paths, "gpu", fake):
-        preview_field.Passes()
-        for compile_it in (preview_field._compile, preview_paths._compile, preview_paths._compile_proxy,
-                           gpu_arrays._composite_shader):
+    with contextlib.ExitStack() as patches:
+        for module in (gpu_arrays, gpu_kernels, preview_field, preview_mesh, preview_paths, proxy_layer):
+            patches.enter_context(mock.patch.object(module, "gpu", fake))
+        for compile_it in (preview_field.Passes, gpu_mesh.Kernels, preview_field._compile, preview_mesh._compile,
+                           preview_paths._compile, proxy_layer._proxy_shader, proxy_layer._composite_shader):
             compile_it()
     return made
 
@@ -98,7 +104,7 @@ class Interfaces(unittest.TestCase):
             raise AssertionError("the shaders of the previews were not recorded: nothing would be tested")
 
     def test_every_file_is_in_one_of_them(self) -> None:
-        together = "".join(shader.text(stage) for shader in self.shaders for stage in ("vertex", "fragment"))
+        together = "".join(shader.text(stage) for shader in self.shaders for stage in shader.stages())
         files = list(SHADERS.glob("*.glsl"))
         self.assertGreater(len(files), len(self.shaders))
         for file in files:
@@ -118,7 +124,7 @@ class Interfaces(unittest.TestCase):
         """Vulkan and Metal have it as a macro: a local of its name would not compile there."""
         for shader in self.shaders:
             for _kind, name in shader.all("push_constant"):
-                for stage in ("vertex", "fragment"):
+                for stage in shader.stages():
                     declared = re.search(DECLARED + rf"{name}\b", without_comments(shader.text(stage)))
                     self.assertIsNone(declared, declared)
 
@@ -180,7 +186,7 @@ class Interfaces(unittest.TestCase):
 
     def test_nothing_is_declared_in_the_text(self) -> None:
         for shader in self.shaders:
-            for stage in ("vertex", "fragment"):
+            for stage in shader.stages():
                 found = re.search(r"#version|#extension|\b(layout|uniform|varying|attribute|texture[123]D)\b|"
                                   r"\bgl_(FragColor|FragData|PointSize)", without_comments(shader.text(stage)))
                 self.assertIsNone(found, found)
@@ -188,7 +194,7 @@ class Interfaces(unittest.TestCase):
     @unittest.skipUnless(shutil.which("glslangValidator"), "there is no glslangValidator")
     def test_it_compiles_for_vulkan(self) -> None:
         for shader in self.shaders:
-            for stage in ("vertex", "fragment"):
+            for stage in shader.stages():
                 self.compiles(for_vulkan(shader, stage), "glslangValidator", "--stdin", "-o", os.devnull,
                               "--target-env", "vulkan1.2", "-S", stage[:4])
 
@@ -196,7 +202,7 @@ class Interfaces(unittest.TestCase):
     def test_metal_would_read_it(self) -> None:
         """All in one text, each in a class of its own, as Blender's Metal backend does it."""
         self.compiles(METAL + "".join(for_metal(shader, stage, f"{stage}_{i}") for i, shader in enumerate(self.shaders)
-                                      for stage in ("vertex", "fragment")),
+                                      for stage in shader.stages()),
                       "clang++", "-x", "c++", "-std=c++14", "-pedantic-errors", "-Wno-vla-extension", "-Wno-gnu",
                       "-fno-builtin", "-nostdinc", "-fsyntax-only", "-ferror-limit=40", "-")
 
@@ -217,12 +223,19 @@ def for_vulkan(shader: Recorder, stage: str) -> str:
         members = " ".join(f"{kind.lower()} pc_{name};" for kind, name in constants)
         lines.append(f"layout(push_constant) uniform constants {{ {members} }} PushConstants;")
         lines += [f"#define {name} (PushConstants.pc_{name})" for _kind, name in constants]
+    lines += [f"layout(local_size_x = {size}) in;" for (size,) in shader.all("local_group_size")]
+    lines += [f"layout(binding = {24 + slot}, {form.lower()}) uniform {access_of(access)} image2D {name};"
+              for slot, form, _kind, name, access in shader.all("image")]
     here, there = ("vertex_in", "out") if stage == "vertex" else ("fragment_out", "in")
     lines += [f"layout(location = {slot}) {'in' if stage == 'vertex' else 'out'} {kind.lower()} {name};"
               for slot, kind, name in shader.all(here)]
     lines += [f"layout(location = {i}) {there} {how} {kind.lower()} {name};"
               for i, (how, kind, name) in enumerate(shader.between())]
     return "\n".join(lines) + "\n" + shader.text(stage)
+
+
+def access_of(access: set[str]) -> str:
+    return "" if access == {"READ", "WRITE"} else "writeonly" if access == {"WRITE"} else "readonly"
 
 
 def for_metal(shader: Recorder, stage: str, name: str) -> str:
@@ -233,6 +246,7 @@ def for_metal(shader: Recorder, stage: str, name: str) -> str:
     own = [(kind, word) for _slot, kind, word in shader.all("vertex_in" if stage == "vertex" else "fragment_out")]
     members = [(kind.lower(), word) for kind, word in own + [(kind, word) for _how, kind, word in shader.between()]]
     members += [("sampler2D", word) for _slot, _kind, word in shader.all("sampler")]
+    members += [("image2D", word) for _slot, _form, _kind, word, _access in shader.all("image")]
     members += [(kind, f"*_{word}") for _slot, kind, word in blocks]
     macros = {word: f"global_uniforms->{word}" for _kind, word in constants}
     macros |= {word: f"(*_{word})" for _slot, _kind, word in blocks}
@@ -240,10 +254,10 @@ def for_metal(shader: Recorder, stage: str, name: str) -> str:
         f"struct uniforms_{name} {{", *(f"{kind.lower()} {word};" for kind, word in constants), "};",
         f"struct {name} {{", *(without_comments(types) for (types,) in shader.all("typedef_source")),
         f"uniforms_{name} *global_uniforms;",
-        "vec4 gl_Position, gl_FragCoord; bool gl_FrontFacing;",
+        "vec4 gl_Position, gl_FragCoord; bool gl_FrontFacing; ivec3 gl_GlobalInvocationID;",
         "float gl_FragDepth;" if shader.all("depth_write") else "",
         *(f"{kind} {word};" for kind, word in members), *(f"#define {word} {meant}" for word, meant in macros.items()),
-        text, "};", *(f"#undef {word}" for word in (*macros, "FORMULA", "TEXEL", "THIS_TEXEL")), ""])
+        text, "};", *(f"#undef {word}" for word in (*macros, "FORMULA", "TEXEL", "THIS_TEXEL", "READ", "WRITE")), ""])
 
 
 if __name__ == "__main__":

@@ -87,6 +87,12 @@ struct sampler2D {};
 ivec2 textureSize(sampler2D, unsigned);
 vec4 texelFetch(sampler2D, ivec2, unsigned);
 vec4 texture(sampler2D, vec2);
+struct image2D {};
+ivec2 imageSize(image2D);
+vec4 imageLoad(image2D, ivec2);
+void imageStore(image2D, ivec2, vec4);
+float atan(float, float);
+float distance(vec3, vec3);
 void discard_fragment();
 #define inversesqrt rsqrt
 #define discard discard_fragment()

@@ -71,7 +71,7 @@ class Solved(MeshCase):
                          dict(attachment="LINEAR", buckling_threshold=0.02)):
             yield from self.begun(**settings)
             begun: list[int] = []
-            self.watch(gpu_mesh.GpuMesh, "begin", begun)
+            self.watch(gpu_mesh.GpuMesh, "take_over", begun)
             edge = float(self.runtime().evaluator.model.local_edge.mean())
             for frame in range(2, 9):
                 yield from self.drawn_at(frame)
@@ -101,7 +101,38 @@ class Solved(MeshCase):
         yield from self.drawn_at(7)
         np.testing.assert_array_equal(self.offsets(), held)
 
-    def test_settings_and_paint_take_effect(self) -> Iterator[float]:
+    def test_far_behind_the_card_starts_by_itself(self) -> Iterator[float]:
+        """A step back after a long play would wait until the library has solved all frames before it."""
+        yield from self.begun()
+        for frame in range(2, 8):
+            yield from self.drawn_at(frame)
+        cache, begun = self.runtime().evaluator.frame_cache, []
+        self.watch(gpu_mesh.GpuMesh, "solve_from_start", begun)
+        for frame in range(2, 8):
+            cache.get(float(frame)).solve_seconds = 10.0
+        yield from self.drawn_at(5)
+        self.assertEqual(len(begun), 1)
+        self.assertTrue(cache.get(5.0).waits)
+        evaluator, inputs = self.runtime().evaluator, self.runtime().inputs
+        options = evaluator._native_settings(inputs.settings)
+        start, _ = native.solve_wrinkle_mesh(evaluator.model, options, evaluator._paint, inputs.positions)
+        off = np.linalg.norm(self.offsets() - start.offset, axis=1)
+        self.assertLess(off.mean(), 1e-3 * float(evaluator.model.local_edge.mean()))
+        self.assertGreater(np.linalg.norm(start.offset, axis=1).max(), 1e-3)
+        cache.get(7.0).state  # a render gets the library's frames all the same
+        self.assertFalse(cache.get(5.0).waits)
+
+    def test_another_first_frame_begins_another_clip(self) -> Iterator[float]:
+        yield from self.begun()
+        yield from self.drawn_at(2)
+        bpy.context.scene.frame_start = self.obj.rumple.bake_start = 2
+        begun: list[int] = []
+        self.watch(gpu_mesh.GpuMesh, "take_over", begun)
+        yield from self.drawn_at(3)
+        self.assertEqual(len(begun), 1)
+        self.assertLess(self.off().max(), 2e-6)
+
+    def test_settings_take_effect(self) -> Iterator[float]:
         yield from self.begun()
         yield from self.drawn_at(8)
         yield from self.drawn_at(9)
@@ -130,8 +161,7 @@ class RealClip(unittest.TestCase):
         state, _ = native.solve_wrinkle_mesh(model, settings, paint, frames[0])
         mesh = gpu_mesh.GpuMesh(gpu_mesh.Kernels(), native.WrinkleMeshPasses(model, settings, paint), settings)
         mesh.pose(*model.weld_pose(frames[0])[:2])
-        mesh.begin(state.offset, state.solved_length)
-        mesh.stay()
+        mesh.take_over(state.offset, state.solved_length)
         for frame, positions in enumerate(frames[1:], 1):
             state, _ = native.solve_wrinkle_mesh(model, settings, paint, positions, state)
             mesh.pose(*model.weld_pose(positions)[:2])
@@ -184,14 +214,23 @@ class Pictures(MeshCase):
         self.assertLess(np.percentile(off, 90), 2.0)
 
     def test_with_a_subdivided_mesh_and_one_for_viewports(self) -> Iterator[float]:
-        for steps in (2, 0):
-            yield from self.begun(display_steps=steps, level=1)
+        in_viewport = []
+        for viewport_steps in (0, 2):
+            yield from self.begun(display_steps=2, level=1)
+            self.obj.rumple.viewport_steps = viewport_steps
+            yield 0.5
             for frame in (2, 3):
                 yield from self.drawn_at(frame)
-            evaluator = self.runtime().evaluator
-            drawn = evaluator.in_viewport if self.runtime().inputs.in_viewport else evaluator
+            evaluator, inputs = self.runtime().evaluator, self.runtime().inputs
+            drawn = evaluator.in_viewport if inputs.in_viewport else evaluator
             places = read(self.held().drawing.shown.places, drawn.shown.vertex_count)[:, :3]
-            self.assertTrue(np.isfinite(places).all())
+            expected = native.show_wrinkle_mesh(
+                evaluator.model, evaluator._native_settings(inputs.settings), inputs.positions,
+                evaluator.wrinkles_of(inputs.frame), in_viewport=inputs.in_viewport).positions
+            edge = float(evaluator.model.local_edge.mean())
+            self.assertLess(np.linalg.norm(places - expected, axis=1).mean(), 1e-3 * edge)
+            in_viewport.append(inputs.in_viewport)
+        self.assertEqual(in_viewport, [True, False])
 
 
 class WithoutComputeShaders(MeshCase):
@@ -220,6 +259,30 @@ class Manners(MeshCase):
         yield from self.begun()
         self.assertEqual(self.held().drawing.slots(), [0, 1])
         self.assertTrue(self.held().drawing.has_uv)
+
+    def test_an_edited_uv_map_is_drawn(self) -> Iterator[float]:
+        yield from self.begun()
+        before = self.held().drawing._batches
+        layer = self.obj.data.uv_layers[0]
+        values = np.zeros(2 * len(self.obj.data.loops), np.float32)
+        layer.data.foreach_get("uv", values)
+        layer.data.foreach_set("uv", values + np.float32(0.25))
+        self.obj.data.update()
+        yield 0.3
+        yield from self.drawn_at(2)
+        self.assertIsNot(self.held().drawing._batches, before)
+        self.obj.data.uv_layers.remove(self.obj.data.uv_layers[0])
+        yield 0.3
+        yield from self.drawn_at(3)
+        self.assertFalse(self.held().drawing.has_uv)
+        self.assertEqual(self.held().refusal, "")
+
+    def test_what_is_bound_to_its_points_gets_the_fine_mesh(self) -> Iterator[float]:
+        yield from self.begun()
+        other = bpy.data.objects.new("Button", bpy.data.meshes.new("Button"))
+        bpy.context.scene.collection.objects.link(other)
+        other.modifiers.new("Bound", "SURFACE_DEFORM").target = self.obj
+        yield from self.settled(False)
 
     def test_blender_evaluates_the_coarse_mesh_meanwhile(self) -> Iterator[float]:
         yield from self.begun()

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Frames of a Wrinkle Field that a viewport draws by itself: they are solved when somebody asks, to the same bits."""
+"""Frames that a viewport draws by itself: they are solved when somebody asks, to the same bits."""
 from __future__ import annotations
 
 import unittest
@@ -12,8 +12,9 @@ from rumple.core.base.wording import UserError
 from rumple.core.frame import frame_cache
 from rumple.core.mesh.body import Body
 from rumple.core.mesh.frame_result import FrameResult, PreviewFrame
-from rumple.core.settings.system_settings import FieldSettings
+from rumple.core.settings.system_settings import FieldSettings, MeshSettings
 from rumple.core.systems.wrinkle_field import WrinkleField
+from rumple.core.systems.wrinkle_mesh import WrinkleMesh
 from support.frames import solve_frame
 from support.meshes import compressed, tube
 
@@ -129,6 +130,19 @@ class Waiting(unittest.TestCase):
             self.play(self.field, True)
             self.assertEqual(self.field.solves, len(FRAMES))
 
+    def test_no_row_waits_for_longer_than_so_many_seconds(self) -> None:
+        """Who needs the last frame of a row waits until all of them are solved."""
+        self.show(self.field, 1)
+        first = self.field.frame_cache.get(1.0)
+        assert first is not None
+        self.assertGreater(first.solve_seconds, 0.0)
+        first.solve_seconds = 1.5
+        self.play(self.field, True, range(2, 8))
+        self.assertEqual(self.field.frame_cache.seconds_until_solved(7.0), 4.5)  # of three frames
+        self.assertEqual(self.field.frame_cache.seconds_until_solved(4.0), 0.0)
+        self.play(self.plain, False, range(1, 8))
+        self.same(7)
+
     def test_frames_whose_state_is_read_do_not_wait(self) -> None:
         body = Body(4.0 * np.eye(3, dtype=np.float32), np.array([[0, 1, 2]], np.int32))
         for settings, worn in ((replace(SETTINGS, stateless=True), None), (replace(SETTINGS, base_cloth="HANG"), None),
@@ -144,6 +158,40 @@ class Waiting(unittest.TestCase):
         self.clip[5] = np.full_like(self.clip[5], np.nan)
         with self.assertRaisesRegex(ValueError, "no valid position in this frame"):
             self.show(self.field, 5, True)
+
+
+class WaitingMesh(unittest.TestCase):
+    """A single Wrinkle Mesh over the animation waits as well."""
+
+    def test_renders_after_a_preview_have_the_same_bits(self) -> None:
+        settings = MeshSettings(density="LEVEL", level=1)
+        base = tube(12, 12)
+        clip = {f: compressed(base.positions, 1.0 - 0.05 * min(f - 1, 11 - f)) for f in FRAMES}
+        previewed, plain = WrinkleMesh.build(base, settings), WrinkleMesh.build(base, settings)
+        for frame in FRAMES:
+            shown = solve_frame(previewed, float(frame), clip[frame], settings, {}, start=1, for_preview=True)
+            assert isinstance(shown, PreviewFrame) and shown.proxy_offset is not None
+            self.assertEqual(previewed.frame_cache.seconds_until_solved(float(frame)) > 0.0, frame > 1)
+            self.assertEqual(shown.proxy_offset.shape, base.positions.shape)
+            self.assertGreater(np.abs(shown.proxy_offset).max(), 0.0)  # to the smooth surface
+        for frame in reversed(FRAMES):
+            found = solve_frame(previewed, float(frame), clip[frame], settings, {}, start=1)
+            solve_frame(plain, float(frame), clip[frame], settings, {}, start=1)
+        for frame in FRAMES:
+            found, expected = (solve_frame(mesh, float(frame), clip[frame], settings, {}, start=1)
+                               for mesh in (previewed, plain))
+            self.assertTrue(found.shows_the_same(expected), frame)
+
+    def test_what_the_card_cannot_solve_does_not_wait(self) -> None:
+        base = tube(12, 12)
+        for values in (dict(base_cloth="HANG"), dict(layers="CLOTH"), dict(collision="NEIGHBOURHOOD"),
+                       dict(offset_space="WORLD"), dict(rest_shape="ADAPTIVE")):
+            settings = MeshSettings(**{"density": "LEVEL", "level": 1, **values})
+            mesh = WrinkleMesh.build(base, settings)
+            for frame in (1, 2):
+                shown = solve_frame(mesh, float(frame), base.positions, settings, {}, start=1, for_preview=True,
+                                    world_from_object=np.eye(3, dtype=np.float32))
+                self.assertIsInstance(shown, FrameResult, values)
 
 
 if __name__ == "__main__":

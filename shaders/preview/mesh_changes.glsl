@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What has changed around a vertex: x: how far it is active, y: the largest compression of its distance pairs.
+// What has changed around a vertex: x: how far it is active, of all its pairs; y: the largest compression, of those that
+// keep distances.
 //   pair_spans   first entry, number of entries, and number of distance pairs, which come first, in `pairs_of`
 //   pairs_of     four pairs in a texel
 

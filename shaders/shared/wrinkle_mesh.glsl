@@ -45,12 +45,13 @@ FORMULA vec3 offset_to_frame(MeshFrame frame, vec3 offset) {
 
 // ---- The targets of a pair (section 4.1)
 
-// stretched: s l0. at_attachments: the length of the pair there.
-FORMULA float target_length(float stretched, float at_attachments, float stretch_relief, float buckling_threshold,
-                            float compression_limit) {
-    float target = stretched + stretch_relief * max(at_attachments - stretched, 0.0f);
-    target -= clamp(target - at_attachments, 0.0f, buckling_threshold * target);
-    return min(compression_limit * at_attachments, target);
+// stretched: s l0. at_attachments: the length of the pair there. relief, threshold, limit: stretch_relief,
+// buckling_threshold and compression_limit of the settings. (Push constants have these names: Vulkan and Metal have them
+// as macros.)
+FORMULA float target_length(float stretched, float at_attachments, float relief, float threshold, float limit) {
+    float target = stretched + relief * max(at_attachments - stretched, 0.0f);
+    target -= clamp(target - at_attachments, 0.0f, threshold * target);
+    return min(limit * at_attachments, target);
 }
 
 // 0 where the base has kept its shape along a pair since it was last solved, 1 where the pair is solved in full.
@@ -97,7 +98,7 @@ FORMULA vec3 within_bounds(vec3 p, vec3 attachment, vec3 normal, float depth, fl
     return size > radius ? attachment + radius / size * offset : above;
 }
 
-// A vertex takes this share of a new solution, of which `damping` is lost.
-FORMULA vec3 blended(vec3 before, vec3 after, float share, float damping) {
-    return before + share * (1.0f - damping) * (after - before);
+// A vertex takes this share of a new solution. lost: the damping of the settings.
+FORMULA vec3 blended(vec3 before, vec3 after, float share, float lost) {
+    return before + share * (1.0f - lost) * (after - before);
 }

@@ -22,6 +22,11 @@ class Inputs(FrameRequest):
     settings: Any  # of the system
     shows_coarse: bool = False  # instead of the folds, for Weight Paint tools (weight_paint.py)
 
+    def goes_on_from(self, before: "Inputs") -> bool:
+        """Whether the engine solves this frame from that one, as far as frames decide it."""
+        return (not self.settings.stateless and before.start == self.start and self.frame.is_integer()
+                and self.frame == before.frame + 1.0 > self.start)
+
     def same_as(self, other: "Inputs | None") -> bool:
         """Whether all but the start is equal."""
         return (other is not None and self.frame == other.frame and self.settings == other.settings

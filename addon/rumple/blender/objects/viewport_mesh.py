@@ -57,6 +57,12 @@ def may_differ(pairs: list[tuple[bpy.types.Object, bpy.types.NodesModifier]]) ->
             if obj not in bound and keeps_nothing_behind(obj, nodes_mod) and not _is_read_behind(obj, nodes_mod)}
 
 
+def may_have_other_points(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier) -> bool:
+    """Whether nothing stores or is bound to the points that viewports show of an object. Cost: as may_differ()."""
+    return (not nodes_keep_meshes() and obj not in targets() and keeps_nothing_behind(obj, nodes_mod)
+            and not _is_read_behind(obj, nodes_mod))
+
+
 def _is_read_behind(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier) -> bool:
     """Whether nodes behind the wrinkles refer to the mesh of renders, as Wrinkle Maps do."""
     output, modifiers = modifier.output_object(nodes_mod), list(obj.modifiers)

@@ -16,6 +16,7 @@ from . import glsl, gpu_arrays
 from .gpu_arrays import empty, upload
 from .gpu_kernels import Kernel
 
+_NEVER = -1e30  # a length when a pair was last solved, from which every length has changed
 _READ_WRITE, _WRITE = {"READ", "WRITE"}, {"WRITE"}
 
 
@@ -64,30 +65,30 @@ class GpuMesh:
     """The arrays of one object: what depends only on rest pose, settings and paint, and the state. Solved vertices are
     in the order of the native passes, so that neighbours lie near one another."""
 
-    def __init__(self, kernels: Kernels, constraints: Any, settings: Any) -> None:
-        """constraints: WrinkleMeshPasses, made with these settings: WrinkleMeshSettings. Raises UserError if the mesh
+    def __init__(self, kernels: Kernels, passes: Any, settings: Any) -> None:
+        """passes: WrinkleMeshPasses, made with these settings: WrinkleMeshSettings. Raises UserError if the mesh
         is too large for a texture. Cost: O(pairs), once for each change of the settings."""
         self._kernels, self._settings = kernels, settings
-        self.count, self.vertex = constraints.vertex_count, constraints.vertex
-        self._curved = float(constraints.curved)
-        spans, limits = packed(constraints.limit_start, constraints.limit_vertex, constraints.limit_weight)
-        gpu_arrays.check_size(max(self.count, len(limits), len(constraints.pairs)))
+        self.count, self.vertex = passes.vertex_count, passes.vertex
+        self._curved = float(passes.curved)
+        spans, limits = packed(passes.limit_start, passes.limit_vertex, passes.limit_weight)
+        gpu_arrays.check_size(max(self.count, len(limits), 2 * len(passes.pairs)))
         self._arrays = {
-            "places": upload(constraints.base_vertices), "limits": upload(limits),
-            "spans": upload(np.column_stack((constraints.weights, spans))),
-            "bounds": upload(np.column_stack((constraints.radius, constraints.depth, constraints.push,
-                                              constraints.noise))),
+            "places": upload(passes.base_vertices), "limits": upload(limits),
+            "spans": upload(np.column_stack((passes.weights, spans))),
+            "bounds": upload(np.column_stack((passes.radius, passes.depth, passes.push,
+                                              passes.noise))),
             **{name: empty(self.count) for name in ("attachments", "normals", "starts", "solved", "changes")}}
-        self._collect_pairs(constraints)
+        self._collect_pairs(passes)
 
-    def _collect_pairs(self, constraints: Any) -> None:
+    def _collect_pairs(self, passes: Any) -> None:
         """Pairs in the order of the passes, and the pairs of every vertex, first those that keep distances."""
-        order = self._pair_order = np.argsort(constraints.of_pass, kind="stable")
-        counts = np.bincount(constraints.of_pass, minlength=constraints.pass_count)
+        order = self._pair_order = np.argsort(passes.of_pass, kind="stable")
+        counts = np.bincount(passes.of_pass, minlength=passes.pass_count)
         self._ranges = [(int(first), int(count)) for first, count in zip(np.cumsum(counts) - counts, counts) if count]
-        pairs = constraints.pairs[order]
-        self._stiffness = constraints.stiffness[order]
-        is_bending = np.tile(order >= constraints.distance_count, 2)
+        pairs = passes.pairs[order]
+        self._stiffness = passes.stiffness[order]
+        is_bending = np.tile(order >= passes.distance_count, 2)
         ends, index = pairs.T.ravel(), np.tile(np.arange(len(pairs)), 2)
         of_vertex = np.lexsort((is_bending, ends))
         totals = np.bincount(ends, minlength=self.count)
@@ -95,39 +96,57 @@ class GpuMesh:
         entries = np.zeros(4 * -(-max(len(index), 1) // 4), np.float32)
         entries[:len(index)] = index[of_vertex]
         self._arrays.update(
-            pairs=upload(np.column_stack((pairs, constraints.stretched[order], constraints.rest[order]))),
+            pairs=upload(np.column_stack((pairs, passes.stretched[order], passes.rest[order]))),
             pair_spans=upload(np.column_stack((np.cumsum(totals) - totals, totals, distances))),
             pairs_of=upload(entries.reshape(-1, 4)))
 
-    def begin(self, offset: np.ndarray, solved_length: np.ndarray) -> None:
-        """Take over the state of a solved frame: the arrays of a WrinkleMeshState. No vertex is active in it."""
-        lengths = np.zeros((len(solved_length), 4), np.float32)
-        lengths[:, 1], lengths[:, 2] = solved_length[self._pair_order], self._stiffness
-        self._arrays.update(offsets=upload(offset[self.vertex]), lengths=upload(lengths),
-                            changes=upload(np.zeros((self.count, 4), np.float32)))
-
     def pose(self, positions: np.ndarray, normals: np.ndarray) -> None:
-        """Upload this frame's welded vertices of the base, both (w, 3), and attach the mesh to them (section 4)."""
+        """Upload this frame's welded vertices of the base, both (w, 3), and attach the mesh to them (section 4). Each
+        frame begins with this. After it: solve(), take_over() or solve_from_start()."""
         self._arrays.update(positions=upload(positions), base_normals=upload(normals))
         self._kernels.attach.run(self.count, self._arrays, curved=self._curved)
 
-    def stay(self) -> None:
-        """The frame whose state was taken over, as it was solved."""
-        self._kernels.start.run(self.count, self._arrays)
+    def take_over(self, offset: np.ndarray, solved_length: np.ndarray) -> None:
+        """Show a frame that the library has solved, and go on from it. The arrays of its WrinkleMeshState: (v, 3)
+        object units, in the frames of the base's triangles; (p,) object units."""
+        self._set_state(offset[self.vertex], solved_length[self._pair_order])
+
+    def solve_from_start(self) -> None:
+        """Solve from the attachments, without a frame before (the canonical start)."""
+        pairs = len(self._pair_order)
+        self._set_state(np.zeros((self.count, 3), np.float32), np.full(pairs, _NEVER, np.float32))
+        self._measure()
+        self._relax(self._settings.start_iterations, damping=0.0)
 
     def solve(self) -> None:
         """Go on from the frame before (section 4.1). Cost: O(iterations x pairs)."""
-        kernels, settings, count, arrays = self._kernels, self._settings, self.count, self._arrays
-        kernels.targets.run(len(self._pair_order), arrays, stretch_relief=settings.stretch_relief,
-                            buckling_threshold=settings.buckling_threshold,
-                            compression_limit=settings.compression_limit)
-        kernels.changes.run(count, arrays)
-        kernels.start.run(count, arrays)
-        for _ in range(settings.iterations):
+        self._measure()
+        self._relax(self._settings.iterations, self._settings.damping)
+
+    def _set_state(self, offset: np.ndarray, solved_length: np.ndarray) -> None:
+        """A state in the card's order. No vertex is active in it."""
+        lengths = np.zeros((len(solved_length), 4), np.float32)
+        lengths[:, 1], lengths[:, 2] = solved_length, self._stiffness
+        none = upload(np.zeros((self.count, 4), np.float32))
+        self._arrays.update(offsets=upload(offset), lengths=upload(lengths), changes=none)
+        self._kernels.start.run(self.count, self._arrays)  # without changes nothing is active
+
+    def _measure(self) -> None:
+        """The targets of all pairs, what has changed, and where the vertices start."""
+        settings = self._settings
+        self._kernels.targets.run(len(self._pair_order), self._arrays, stretch_relief=settings.stretch_relief,
+                                  buckling_threshold=settings.buckling_threshold,
+                                  compression_limit=settings.compression_limit)
+        self._kernels.changes.run(self.count, self._arrays)
+        self._kernels.start.run(self.count, self._arrays)
+
+    def _relax(self, iterations: int, damping: float) -> None:
+        kernels, settings, arrays = self._kernels, self._settings, self._arrays
+        for _ in range(iterations):
             kernels.relax.run_each(self._ranges, arrays)
-            kernels.bounds.run(count, arrays, tangential_pull=settings.tangential_pull,
+            kernels.bounds.run(self.count, arrays, tangential_pull=settings.tangential_pull,
                                normal_pull=settings.normal_pull)
-        kernels.finish.run(count, arrays, damping=settings.damping)
+        kernels.finish.run(self.count, arrays, damping=damping)
 
     @property
     def solution(self) -> gpu.types.GPUTexture:

@@ -84,8 +84,9 @@ class _OnGpu:
 
 REFUSED = "The graphics driver refuses the GPU Preview (the console says why): the fine mesh is shown"
 
-NOT_DRAWN = ("The GPU Preview needs one layer over the animation: no base cloth, body, own mesh, rigid parts, guides, "
-             "or rest shape that adapts. The fine mesh is shown")
+NOT_DRAWN = ("The GPU Preview needs one layer over the animation, without base cloth, body, own mesh, rigid parts, "
+             "guides, patches that are painted smooth or rigid, a rest shape that adapts, collision with the "
+             "neighbourhood, and folds that turn with the world. The fine mesh is shown")
 
 _on_gpu: dict[int, _OnGpu] = {}  # by session key
 
@@ -143,6 +144,8 @@ def uses_proxy(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier) -> boo
     """
     if (not handler.added or viewport_mesh.is_paused() or not _is_wanted(obj, nodes_mod)
             or _mesh_is_read(obj, nodes_mod)):
+        return False
+    if obj.rumple.method == "MESH" and not viewport_mesh.may_have_other_points(obj, nodes_mod):
         return False
     on_gpu = _on_gpu.get(compat.session_key(obj))
     if on_gpu is not None and on_gpu.refusal:

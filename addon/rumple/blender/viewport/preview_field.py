@@ -12,7 +12,7 @@ import gpu
 import numpy as np
 
 from ...core.systems.wrinkle_field import WrinkleField
-from ..objects import runtimes, units
+from ..objects import runtimes
 from . import glsl, gpu_arrays
 from .gpu_arrays import Pass, Target, upload
 
@@ -210,8 +210,7 @@ class Drawing:
         assert isinstance(evaluator, WrinkleField)
         if before is None or before.settings != inputs.settings or before.paint is not inputs.paint:
             self.waves.set_wave_parameters(*evaluator.wave_parameters(inputs.settings))
-        goes_on = (before is not None and before.paint is inputs.paint and not inputs.settings.stateless
-                   and inputs.frame == before.frame + 1.0 > units.first_frame(obj, bpy.context.scene))
+        goes_on = before is not None and before.paint is inputs.paint and inputs.goes_on_from(before)
         if not goes_on:
             state = evaluator.wrinkles_of(inputs.frame)
             if state is None:

@@ -11,9 +11,11 @@ import gpu
 import numpy as np
 
 from ...core.systems.wrinkle_mesh import MOST_UNDER_PROXY, WrinkleMesh
-from ..objects import incoming_mesh, mesh_reader, runtimes, units
+from ..objects import incoming_mesh, mesh_reader, runtimes
 from . import gpu_arrays, proxy_layer
 from .gpu_mesh import GpuMesh, GpuShownMesh, Kernels
+
+_PATIENCE = 0.5  # seconds that a redraw may wait for frames that the library has to solve first
 
 
 def _compile() -> gpu.types.GPUShader:
@@ -22,8 +24,9 @@ def _compile() -> gpu.types.GPUShader:
         between.smooth("VEC3", name)
     between.smooth("VEC2", "image_uv")
     return gpu_arrays.drawing_shader(
-        between, (("INT", "vertex"), ("VEC2", "uv")), ("shown", "shown_normals", "image"), ("preview/mesh_vertex",),
-        ("preview/mesh_fragment",), outputs=(("VEC4", "out_color"), ("FLOAT", "out_depth")))
+        between, (("INT", "shown_vertex"), ("VEC2", "uv")), ("shown", "shown_normals", "image"),
+        ("preview/mesh_vertex",), ("preview/mesh_fragment",),
+        outputs=(("VEC4", "out_color"), ("FLOAT", "out_depth")))
 
 
 class Drawing:
@@ -36,66 +39,58 @@ class Drawing:
         self.shown: GpuShownMesh | None = None
         self._drawn: Any = None  # the native shown mesh in the batches
         self._slots: np.ndarray | None = None  # material slot of every coarse triangle
+        self._coarse_uv: np.ndarray | None = None  # UV of the coarse corners in the batches; None: no UV map
         self._batches: dict[int, gpu.types.GPUBatch] = {}
 
     def update(self, obj: bpy.types.Object, runtime: runtimes.Runtime, before: runtimes.Inputs | None,
                slots: np.ndarray) -> bool:
-        """Solve the frame after the one that is on the GPU. All others are taken over from the engine: after a jump,
-        after a change of settings or paint, and at the clip's first frame."""
+        """Solve this frame on the card if it follows the one that is there. Otherwise take over the engine's state."""
         inputs, evaluator = runtime.inputs, runtime.evaluator
         assert isinstance(evaluator, WrinkleMesh)
-        same = (self.mesh is not None and before is not None and before.paint is inputs.paint
-                and before.settings == inputs.settings)
-        goes_on = (same and not inputs.settings.stateless
-                   and inputs.frame == before.frame + 1.0 > units.first_frame(obj, bpy.context.scene))
-        state = None if goes_on else evaluator.wrinkles_of(inputs.frame)
-        if not goes_on and state is None:
+        drawn = evaluator.in_viewport if inputs.in_viewport else evaluator
+        if not self._collect_batches(obj, drawn, slots):
             return False
         kernels = gpu_arrays.kept("mesh kernels", Kernels)
+        same = (self.mesh is not None and before is not None and before.paint is inputs.paint
+                and before.settings == inputs.settings)
         if not same:
             constraints, settings = evaluator.passes(inputs.settings)
             self.mesh = GpuMesh(kernels, constraints, settings)
             self._proxy = proxy_layer.Proxy(constraints.triangles)
+            self.shown = None
         positions, normals, smooth = self._model.weld_pose(evaluator.base.points(inputs.positions))
         self.mesh.pose(positions, normals)
         self._coarse = gpu_arrays.upload(positions if evaluator.vertex_count > MOST_UNDER_PROXY else smooth)
-        if goes_on:
+        if same and inputs.goes_on_from(before):
             self.mesh.solve()
+        elif evaluator.frame_cache.seconds_until_solved(inputs.frame) > _PATIENCE:
+            self.mesh.solve_from_start()
         else:
-            self.mesh.begin(state.offset, state.solved_length)
-            self.mesh.stay()
-        drawn = evaluator.in_viewport if inputs.in_viewport else evaluator
-        self._collect_batches(obj, drawn, slots)
+            state = evaluator.wrinkles_of(inputs.frame)
+            if state is None:
+                return False
+            self.mesh.take_over(state.offset, state.solved_length)
         if self.shown is None:
             self.shown = GpuShownMesh(kernels, drawn.shown, self.mesh.vertex)
         self.shown.show(self.mesh.solution)
         return True
 
-    def _collect_batches(self, obj: bpy.types.Object, drawn: Any, slots: np.ndarray) -> None:
-        """Make a batch of triangles for every used material slot, if the mesh or the slots have changed."""
-        if self._drawn is drawn.shown and self._slots is not None and np.array_equal(slots, self._slots):
-            return
+    def _collect_batches(self, obj: bpy.types.Object, drawn: Any, slots: np.ndarray) -> bool:
+        """Make a batch of triangles for every used material slot, if the mesh, its UV map or the slots have changed.
+        Returns whether there are batches."""
+        coarse = incoming_mesh.of(obj)
+        uv = mesh_reader.render_uv(coarse)
+        corners, polygons = drawn.coarse_triangles()
+        if len(coarse.polygons) <= polygons.max(initial=-1) or (uv is not None and len(uv) <= corners.max(initial=-1)):
+            return bool(self._batches)  # edited: until the wrinkles are rebuilt
+        same_uv = uv is None if self._coarse_uv is None else uv is not None and np.array_equal(uv, self._coarse_uv)
+        if self._drawn is drawn.shown and same_uv and np.array_equal(slots, self._slots):
+            return bool(self._batches)
         if self._drawn is not drawn.shown:
             self.shown = None
-        self._drawn, self._slots = drawn.shown, slots
-        start, corners = drawn.shown.polygon_start, drawn.shown.corner_vertex
-        buffer = gpu_arrays.vertex_buffer(vertex=np.array(corners, np.int32), uv=self._uv(obj, drawn))
-        _triangles, polygons = drawn.coarse_triangles()
-        of_polygon = np.zeros(len(incoming_mesh.of(obj).polygons), np.int32)
-        of_polygon[polygons] = slots
-        slot = of_polygon[drawn.polygon_parent[:len(start) - 1]]  # without polygons that lie on others
-        self._batches = {}
-        for number in np.unique(slot):
-            chosen = np.flatnonzero(slot == number)
-            index = gpu.types.GPUIndexBuf(type="TRIS", seq=fans(start[chosen], np.diff(start)[chosen]))
-            self._batches[int(number)] = gpu.types.GPUBatch(type="TRIS", buf=buffer, elem=index)
-
-    def _uv(self, obj: bpy.types.Object, drawn: Any) -> np.ndarray:
-        """(k, 2) float32: UV of every corner; zeros without a UV map."""
-        uv = mesh_reader.render_uv(incoming_mesh.of(obj))
-        self.has_uv = uv is not None
-        count = len(drawn.shown.corner_vertex)
-        return drawn.carry_corners(uv)[:count] if uv is not None else np.zeros((count, 2), np.float32)
+        self._drawn, self._slots, self._coarse_uv, self.has_uv = drawn.shown, slots, uv, uv is not None
+        self._batches = _batches(drawn, uv, _slots_of_polygons(len(coarse.polygons), polygons, slots))
+        return bool(self._batches)
 
     def shader(self) -> gpu.types.GPUShader:
         return gpu_arrays.kept("mesh", _compile)
@@ -111,6 +106,30 @@ class Drawing:
 
     def draw(self, shader: gpu.types.GPUShader, slot: int) -> None:
         self._batches[slot].draw(shader)
+
+
+def _slots_of_polygons(count: int, polygons: np.ndarray, slots: np.ndarray) -> np.ndarray:
+    """(count,) int32: the slot of every coarse polygon. polygons, slots: of the coarse triangles."""
+    of_polygon = np.zeros(count, np.int32)
+    of_polygon[polygons] = slots
+    return of_polygon
+
+
+def _batches(drawn: Any, coarse_uv: np.ndarray | None, slots: np.ndarray) -> dict[int, gpu.types.GPUBatch]:
+    """The triangles of a shown mesh, by material slot. Polygons that lie on others are left out. coarse_uv: of the
+    corners of the coarse mesh. slots: of its polygons."""
+    start, corners = drawn.shown.polygon_start, drawn.shown.corner_vertex
+    uv = np.zeros((len(corners), 2), np.float32)
+    if coarse_uv is not None:
+        uv = drawn.carry_corners(coarse_uv)[:len(corners)]
+    buffer = gpu_arrays.vertex_buffer(shown_vertex=np.array(corners, np.int32), uv=uv)
+    slot = slots[drawn.polygon_parent[:len(start) - 1]]
+    batches = {}
+    for number in np.unique(slot):
+        chosen = np.flatnonzero(slot == number)
+        index = gpu.types.GPUIndexBuf(type="TRIS", seq=fans(start[chosen], np.diff(start)[chosen]))
+        batches[int(number)] = gpu.types.GPUBatch(type="TRIS", buf=buffer, elem=index)
+    return batches
 
 
 def fans(first: np.ndarray, sizes: np.ndarray) -> np.ndarray:

@@ -32,13 +32,13 @@ class Proxy:
         shader = gpu_arrays.kept("proxy", _proxy_shader)
         shader.bind()
         shader.uniform_sampler("triangles", self._triangles)
-        shader.uniform_sampler("smooths", positions)
+        shader.uniform_sampler("positions", positions)
         shader.uniform_block("preview", block)
         self._batch.draw(shader)
 
 
 def _proxy_shader() -> gpu.types.GPUShader:
-    return gpu_arrays.drawing_shader(None, (("IVEC2", "spot"),), ("triangles", "smooths"), ("preview/proxy_vertex",),
+    return gpu_arrays.drawing_shader(None, (("IVEC2", "spot"),), ("triangles", "positions"), ("preview/proxy_vertex",),
                                      ("preview/proxy_fragment",), outputs=(("FLOAT", "out_depth"),))
 
 
@@ -101,7 +101,7 @@ def _composite_shader() -> gpu.types.GPUShader:
     if hasattr(info, "depth_write"):
         info.depth_write("ANY")
     elif gpu_arrays.backend() == "METAL":
-        raise UserError("GPU Preview of Wrinkle Paths needs a later Blender on macOS: the fine mesh is shown")
+        raise UserError("GPU Preview of this system needs a later Blender on macOS: the fine mesh is shown")
     else:  # 4.3 itself declares that the shader keeps the depth, and NVIDIA's driver relies on this
         info.define("depth_unchanged", "depth_any")
     info.vertex_source(glsl.source("preview/pass_vertex"))

@@ -146,9 +146,11 @@ class Wrinkles(SystemSteps):
             cached = CachedFrame.waiting(before, found.input_digest, found.settings_digest, found.final, lambda state:
                                          self._solve_over(settings, state, same_settings, kept)[:2], chain)
         else:
+            began = time.perf_counter()
             state, report, pose = self._solve_over(settings, before.state if before is not None else None,
                                                    same_settings, frame_input)
-            cached = CachedFrame.of(state, found.input_digest, found.settings_digest, found.final, report, chain)
+            cached = CachedFrame.of(state, found.input_digest, found.settings_digest, found.final, report, chain,
+                                    time.perf_counter() - began)
         self.frame_cache.put(found.request.frame, cached)
         return cached, pose
 

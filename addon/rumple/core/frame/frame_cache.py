@@ -15,7 +15,7 @@ from typing import Any, Callable, Hashable, Iterable, Protocol
 from ..mesh.frame_result import FrameResult
 
 MOST_TIMELINES = 4  # kept for one object
-MOST_WAITING, MOST_WAITING_BYTES = 1000, 256 * 2**20  # frames in a row
+MOST_WAITING, MOST_WAITING_BYTES, MOST_WAITING_SECONDS = 1000, 256 * 2**20, 5.0  # of frames in a row
 
 
 @dataclass(eq=False)
@@ -30,6 +30,7 @@ class CachedFrame:
     final: bool
     nbytes: int  # memory of the state
     _solved: tuple[Any, Any] = (None, None)  # state, report
+    solve_seconds: float = 0.0  # that its solve took, or will probably take
     _before: "CachedFrame | None" = None  # while it waits: the frame before it ...
     # ... and a function: state of the frame before -> state, report
     _solve: Callable[[Any], tuple[Any, Any]] | None = None
@@ -41,24 +42,31 @@ class CachedFrame:
 
     @classmethod
     def of(cls, state: Any, input_digest: bytes, settings_digest: bytes, final: bool, report: Any,
-           chain: bytes = b"") -> "CachedFrame":
+           chain: bytes = b"", solve_seconds: float = 0.0) -> "CachedFrame":
         """A solved frame."""
-        return cls(input_digest, settings_digest, final, state.nbytes, (state, report), chain=chain)
+        return cls(input_digest, settings_digest, final, state.nbytes, (state, report), solve_seconds, chain=chain)
 
     @classmethod
     def waiting(cls, before: "CachedFrame", input_digest: bytes, settings_digest: bytes, final: bool,
                 solve: Callable[[Any], tuple[Any, Any]], chain: bytes = b"") -> "CachedFrame":
-        """A waiting frame. Its state is assumed to need as much memory as the state of the frame before it. If too many
-        frames in a row wait, the first of them is solved."""
-        frame = cls(input_digest, settings_digest, final, before.nbytes, _before=before, _solve=solve, chain=chain)
+        """A waiting frame. Its state is assumed to need as much memory, and its solve as long, as those of the frame
+        before it. If too many frames in a row wait, or for too long, the first of them is solved."""
+        frame = cls(input_digest, settings_digest, final, before.nbytes, solve_seconds=before.solve_seconds,
+                    _before=before, _solve=solve, chain=chain)
         row = frame._row()
-        if len(row) > MOST_WAITING or len(row) * frame.nbytes > MOST_WAITING_BYTES:
+        if (len(row) > MOST_WAITING or len(row) * frame.nbytes > MOST_WAITING_BYTES
+                or frame.seconds_until_solved > MOST_WAITING_SECONDS):
             row[-1]._solve_now()
         return frame
 
     @property
     def waits(self) -> bool:
         return self._solve is not None
+
+    @property
+    def seconds_until_solved(self) -> float:
+        """How long it probably takes to solve this frame and the waiting frames before it."""
+        return sum(frame.solve_seconds for frame in self._row())
 
     @property
     def state(self) -> Any:
@@ -139,6 +147,11 @@ class FrameCache:
     def get(self, frame: float) -> CachedFrame | None:
         """The entry of a frame, or None."""
         return self._entries.get(frame)
+
+    def seconds_until_solved(self, frame: float) -> float:
+        """How long it probably takes until the state of a frame is there; 0 without an entry."""
+        cached = self._entries.get(frame)
+        return 0.0 if cached is None else cached.seconds_until_solved
 
     def before(self, frame: float) -> CachedFrame | None:
         """The whole frame from which a frame is solved: the frame before it, or the one that a subframe follows.

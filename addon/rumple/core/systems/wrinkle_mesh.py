@@ -264,8 +264,8 @@ class WrinkleMesh(Wrinkles):
                                             self.base.points(positions), cached.state)
 
     def _worn_cloth(self, frame: float) -> Body | None:
-        state = self.wrinkles_of(frame)
-        if state is None or not self.layer_count:
+        state = self.wrinkles_of(frame) if self.layer_count else None
+        if state is None:
             return super()._worn_cloth(frame)
         if self._finest is None:
             self._finest = self.model.finest_triangles
