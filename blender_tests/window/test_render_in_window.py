@@ -6,12 +6,13 @@ import functools
 import os
 import tempfile
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Iterator
 from unittest import mock
 
 import bpy
 import numpy as np
-from rumple.blender import handlers, scheduler
+from rumple.blender import compat, handlers, scheduler
 from rumple.blender.frame import clip_status
 from rumple.blender.objects import runtimes
 from support import reference_solve, render_cases, sleeve, small_renders
@@ -56,6 +57,20 @@ class RenderJob(WindowCase):
         view = bpy.context.preferences.view
         self.addCleanup(setattr, view, "render_display_type", view.render_display_type)
         view.render_display_type = "NONE"
+
+    def test_a_job_puts_nothing_into_the_queue_of_the_windows(self) -> Iterator[float]:
+        """The queue has no lock. Once in many jobs Blender 5.2 looked for a notice in it without end."""
+        told, real = [], compat.values_changed
+
+        def recorded(mesh: bpy.types.Mesh) -> None:
+            real(SimpleNamespace(update=lambda: told.append(scheduler.in_main_thread()),
+                                 update_tag=lambda: told.append(None)))
+            real(mesh)
+
+        with mock.patch.object(compat, "values_changed", recorded):
+            yield from self.files("BLENDER_WORKBENCH", animation=True)
+        self.assertIn(None, told)
+        self.assertNotIn(False, told)
 
     def test_workbench_animation(self) -> Iterator[float]:
         yield from self.check_animation("BLENDER_WORKBENCH")

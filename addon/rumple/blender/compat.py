@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 import os
+import threading
 from typing import Any, Iterable, Iterator
 
 import bpy
@@ -249,8 +250,18 @@ def edge_vertices(mesh: bpy.types.Mesh) -> np.ndarray:
     return indices(mesh.edges, "vertices", 2).reshape(-1, 2)
 
 
+def values_changed(mesh: bpy.types.Mesh) -> None:
+    """Let Blender evaluate a mesh again after its attributes or positions were written. Handlers call this, not
+    mesh.update(): that also puts a notice into the queue of the windows, which has no lock. A render job that did so in
+    its own thread could leave Blender 5.2 in an endless loop."""
+    if threading.current_thread() is threading.main_thread():
+        mesh.update()
+    else:
+        mesh.update_tag()
+
+
 def set_positions(mesh: bpy.types.Mesh, values: np.ndarray) -> None:
-    """Write vertex positions, (n, 3). The caller calls mesh.update()."""
+    """Write vertex positions, (n, 3). The caller calls values_changed()."""
     flat = np.ascontiguousarray(values, np.float32).ravel()
     attribute = mesh.attributes.get("position")
     if attribute is not None:
@@ -290,7 +301,7 @@ def read_attribute(attribute: bpy.types.Attribute) -> np.ndarray:
 
 
 def write_attribute(mesh: bpy.types.Mesh, name: str, data_type: str, domain: str, values: np.ndarray) -> None:
-    """Make or overwrite an attribute. The caller calls mesh.update()."""
+    """Make or overwrite an attribute. The caller calls values_changed()."""
     attribute = mesh.attributes.get(name)
     if attribute is not None and (attribute.data_type, attribute.domain) != (data_type, domain):
         mesh.attributes.remove(attribute)

@@ -133,7 +133,7 @@ def write(garment: bpy.types.Object, runtime: Runtime) -> None:
                        "frame: play the clip through before you render it")
         if not np.array_equal(compat.positions(child.data), rows):
             compat.set_positions(child.data, rows)
-            child.data.update()
+            compat.values_changed(child.data)
     messages.note_no_room(runtime, no_room)
 
 

@@ -331,7 +331,7 @@ def _evaluate_outputs(nodes_mod: bpy.types.NodesModifier, runtime: Runtime, fram
         return False
     runtime.seen.empty_at = frame
     for output in modifier.outputs(nodes_mod):
-        output.data.update()
+        compat.values_changed(output.data)
     return True
 
 

@@ -70,7 +70,7 @@ def write_weights(hidden_obj: bpy.types.Object, comparison: PoseComparison, gain
             compat.write_attribute(hidden_obj.data, maps_mask_tree.WEIGHTS.format(number, column), "FLOAT_VECTOR",
                                    "POINT",
                                    table.weight[:, column, None] * lifts[table.vertex])
-    hidden_obj.data.update()
+    compat.values_changed(hidden_obj.data)
 
 
 def new_skeleton(obj: bpy.types.Object, comparison: PoseComparison, shape: str) -> bpy.types.Object:

@@ -127,7 +127,7 @@ def write_result(mesh: bpy.types.Mesh, result: FrameResult, attributes: tuple[At
     """Write the result of one frame. Handlers write only this and write_proxy()."""
     compat.write_attribute(mesh, wrinkle_tree.LOCAL_OFFSET, "FLOAT_VECTOR", "POINT", result.local_offset)
     _write_attributes(mesh, result, attributes)
-    mesh.update()
+    compat.values_changed(mesh)
 
 
 def write_proxy(mesh: bpy.types.Mesh, displacements: np.ndarray | None) -> None:
@@ -144,7 +144,7 @@ def write_proxy(mesh: bpy.types.Mesh, displacements: np.ndarray | None) -> None:
         padded = np.zeros((len(mesh.vertices), 3), np.float32)  # the fine mesh has at least as many vertices
         padded[:len(displacements)] = displacements
         compat.write_attribute(mesh, wrinkle_tree.PROXY_OFFSET, "FLOAT_VECTOR", "POINT", padded)
-    mesh.update()
+    compat.values_changed(mesh)
 
 
 def _write_attributes(mesh: bpy.types.Mesh, result: FrameResult, attributes: tuple[Attribute, ...]) -> None:
