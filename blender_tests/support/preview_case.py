@@ -70,6 +70,17 @@ class PreviewCase(WindowCase):
         overlay = self.area.spaces.active.overlay
         overlay.show_bones = overlay.show_outline_selected = on
 
+    def runtime(self) -> runtimes.Runtime:
+        return runtimes.of(self.obj)
+
+    def settled(self, uses_proxy: bool = True) -> Iterator[float]:
+        """Waits until the viewport has the mesh that it should have."""
+        self.area.tag_redraw()
+        yield from self.until(lambda: self.runtime().inputs is not None
+                              and self.runtime().inputs.for_preview == uses_proxy)
+        self.assertEqual(self.runtime().inputs.for_preview, uses_proxy)
+        yield 0.1
+
     def held(self) -> preview._OnGpu:
         (held,) = preview._on_gpu.values()
         return held

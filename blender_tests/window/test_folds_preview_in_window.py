@@ -19,17 +19,6 @@ from support.preview_case import PreviewCase, smooth
 class FoldsCase(PreviewCase):
     method = "PATHS"
 
-    def runtime(self) -> runtimes.Runtime:
-        return runtimes.of(self.obj)
-
-    def settled(self, uses_proxy: bool = True) -> Iterator[float]:
-        """Waits until the viewport has the mesh that it should have."""
-        self.area.tag_redraw()
-        yield from self.until(lambda: self.runtime().inputs is not None
-                              and self.runtime().inputs.for_preview == uses_proxy)
-        self.assertEqual(self.runtime().inputs.for_preview, uses_proxy)
-        yield 0.1
-
     def both(self) -> Iterator[float]:
         """self.fine and self.drawn: pictures of the fine mesh and of the preview."""
         paths = self.obj.rumple.paths

@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 import math
-import os
-from pathlib import Path
 from typing import Callable
 
 import gpu
 import numpy as np
 import rumple_native as native
 from rumple.blender.viewport import glsl, gpu_arrays, preview_field
-from support import gpu_waves
+from support import gpu_waves, walking_shirt
 from support.window_case import WindowCase
 
 CLOSE = 1e-5  # of the largest number in a result: some roundings of float32
@@ -322,16 +320,10 @@ class Stages(WindowCase):
     def test_a_real_clip_on_the_gpu_alone(self) -> None:
         """The walking shirt, 150 frames from the engine's first. Where a change stands at the threshold of being held
         or not, rounding decides, and the phase there goes its own way by hundredths of a radian."""
-        path = Path(os.environ["RUMPLE_DATA"]) / "S1_walk_shirt.npz"
-        if not path.exists():
-            self.skipTest("the real scenes are not here")
-        clip = np.load(path)
-        starts = np.append(clip["poly_start"], len(clip["poly_verts"])).astype(np.int32)
-        model = native.build_wrinkle_field(native.build_surface(
-            clip["rest"], starts, clip["poly_verts"].astype(np.int32), clip["tri_loops"].astype(np.int32)))
+        surface, frames = walking_shirt.surface_and_frames()
+        model = native.build_wrinkle_field(surface)
         settings, paint = native.WrinkleFieldSettings(), native.WrinkleFieldPaint()
         settings.wavelength, settings.rounds = 0.06, 1
-        frames = clip["frames"]
         state, _ = native.solve_wrinkle_field(model, settings, paint, frames[0])
         field = preview_field.GpuField(preview_field.Passes(), model)
         field.set_wave_parameters(settings, native.wave_parameters_wrinkle_field(model, settings, paint),

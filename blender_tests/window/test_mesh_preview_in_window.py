@@ -2,9 +2,9 @@
 """The GPU preview of the Wrinkle Mesh: its solve against the library, its pictures against the fine mesh."""
 from __future__ import annotations
 
-import os
 import tempfile
 import unittest
+from dataclasses import replace
 from pathlib import Path
 from typing import Iterator
 
@@ -13,10 +13,10 @@ import gpu
 import numpy as np
 import rumple_native as native
 from rumple.blender import compat, handlers
-from rumple.blender.objects import modifier, runtimes
+from rumple.blender.objects import modifier
 from rumple.blender.viewport import gpu_mesh, preview, preview_mesh
 from rumple.blender.viewport.gpu_arrays import read
-from support import sleeve
+from support import sleeve, walking_shirt
 from support.preview_case import PreviewCase, smooth
 
 
@@ -27,17 +27,6 @@ class MeshCase(PreviewCase):
         """The sleeve with one layer of wrinkles, drawn at the clip's first frame."""
         yield from self.make(**{"layers": "ONE", "density": "LEVEL", "level": 2, "display_steps": 0, **settings})
         yield from self.drawn_at(1)
-
-    def runtime(self) -> runtimes.Runtime:
-        return runtimes.of(self.obj)
-
-    def settled(self, uses_proxy: bool = True) -> Iterator[float]:
-        """Waits until the viewport has the mesh that it should have."""
-        self.area.tag_redraw()
-        yield from self.until(lambda: self.runtime().inputs is not None
-                              and self.runtime().inputs.for_preview == uses_proxy)
-        self.assertEqual(self.runtime().inputs.for_preview, uses_proxy)
-        yield 0.1
 
     def places(self) -> np.ndarray:
         """(d, 3) of the shown mesh, from the card."""
@@ -132,6 +121,19 @@ class Solved(MeshCase):
         self.assertEqual(len(begun), 1)
         self.assertLess(self.off().max(), 2e-6)
 
+    def test_the_card_goes_on_where_the_engine_does(self) -> Iterator[float]:
+        yield from self.begun()
+        inputs = self.runtime().inputs
+        at = [replace(inputs, frame=frame) for frame in (2.0, 2.5, 3.0, 3.5, 4.0)]
+        self.assertTrue(at[2].goes_on_from(at[0]))
+        self.assertFalse(at[4].goes_on_from(at[0]))
+        self.assertFalse(at[3].goes_on_from(at[1]), "a subframe is solved from a whole frame")
+        self.assertFalse(at[0].goes_on_from(at[2]))
+        self.assertFalse(replace(at[2], start=3).goes_on_from(replace(at[0], start=3)), "the first frame")
+        self.assertFalse(replace(at[2], start=2).goes_on_from(at[0]), "another clip")
+        alone = replace(inputs.settings, stateless=True)
+        self.assertFalse(replace(at[2], settings=alone).goes_on_from(replace(at[0], settings=alone)))
+
     def test_settings_take_effect(self) -> Iterator[float]:
         yield from self.begun()
         yield from self.drawn_at(8)
@@ -142,6 +144,21 @@ class Solved(MeshCase):
         self.assertLess(self.off().max(), 2e-6)
         largest = np.linalg.norm(self.offsets(), axis=1) / self.runtime().evaluator.model.local_edge
         self.assertLess(largest.max(), 0.3 * 1.001)
+        yield from self.drawn_at(10)  # which the card solves
+        self.assertTrue(self.runtime().evaluator.frame_cache.get(10.0).waits)
+        largest = np.linalg.norm(self.offsets(), axis=1) / self.runtime().evaluator.model.local_edge
+        self.assertLess(largest.max(), 0.3 * 1.001)
+
+    def test_keyed_settings_take_effect(self) -> Iterator[float]:
+        yield from self.begun()
+        for frame, radius in ((7, 1.0), (8, 0.3)):
+            self.obj.rumple.mesh.radius = radius
+            self.obj.keyframe_insert("rumple.mesh.radius", frame=frame)
+        yield 0.3
+        for frame in range(4, 9):
+            yield from self.drawn_at(frame)
+        largest = np.linalg.norm(self.offsets(), axis=1) / self.runtime().evaluator.model.local_edge
+        self.assertLess(largest.max(), 0.3 * 1.001)
 
 
 @has_compute
@@ -149,15 +166,10 @@ class RealClip(unittest.TestCase):
 
     def test_a_walking_shirt_on_the_card_alone(self) -> None:
         """60 frames from the library's first: a thousandth of an edge (8 micrometres) in the mean, a tenth anywhere."""
-        path = Path(os.environ["RUMPLE_DATA"]) / "S1_walk_shirt.npz"
-        if not path.exists():
-            self.skipTest("the real scenes are not here")
-        clip = np.load(path)
-        starts = np.append(clip["poly_start"], len(clip["poly_verts"])).astype(np.int32)
-        model = native.build_wrinkle_mesh(native.build_surface(
-            clip["rest"], starts, clip["poly_verts"].astype(np.int32), clip["tri_loops"].astype(np.int32)))
+        surface, frames = walking_shirt.surface_and_frames()
+        model, frames = native.build_wrinkle_mesh(surface), frames[:60]
         settings, paint = native.WrinkleMeshSettings(), native.WrinkleMeshPaint(model)
-        frames, edge = clip["frames"][:60], float(model.local_edge.mean())
+        edge = float(model.local_edge.mean())
         state, _ = native.solve_wrinkle_mesh(model, settings, paint, frames[0])
         mesh = gpu_mesh.GpuMesh(gpu_mesh.Kernels(), native.WrinkleMeshPasses(model, settings, paint), settings)
         mesh.pose(*model.weld_pose(frames[0])[:2])
@@ -287,7 +299,7 @@ class Manners(MeshCase):
     def test_blender_evaluates_the_coarse_mesh_meanwhile(self) -> Iterator[float]:
         yield from self.begun()
         coarse = len(self.obj.data.vertices)
-        for frame in (2, 3):
+        for frame in (2, 3, 9):  # the last one after a jump
             yield from self.drawn_at(frame)
             evaluated = self.obj.evaluated_get(bpy.context.evaluated_depsgraph_get())
             self.assertEqual(len(evaluated.data.vertices), coarse)

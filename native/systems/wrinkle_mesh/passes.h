@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The constraints of a single mesh as passes over all its vertices, for a solver on the graphics card: each
-// pass projects at most one pair of a vertex. One iteration of all passes in their order projects every pair
-// after the same pairs as relax_by_blocks(), so it has the same result but for rounding.
+// The constraints of a single mesh as passes over its pairs, for a solver on the graphics card: each pass
+// projects at most one pair of a vertex. One iteration of all passes in their order projects every pair after
+// the same pairs as relax_by_blocks(), so it has the same result but for rounding.
 #pragma once
 
 #include <array>
@@ -24,7 +24,7 @@ struct Passes {
     std::vector<float> depth;   // how far below its attachment it may be; without collision: no limit
     std::vector<float> push;    // largest random push of an unbuckled vertex
     std::vector<float> noise;   // -1..1: share and direction of this push
-    std::vector<std::array<Index, 2>> pairs;  // as positions in this order: distance, then bending
+    std::vector<std::array<Index, 2>> pairs;  // vertices in this order: distance pairs, then bending
     std::vector<Index> pass;                  // of every pair, 0..count - 1
     std::vector<float> rest;                  // of every pair: l0
     std::vector<float> stretched;             // s l0

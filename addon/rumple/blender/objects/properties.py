@@ -111,7 +111,8 @@ def _gpu_preview(description: str) -> Any:
 
 RUMPLE_MeshSettings = _settings_group("MESH", gpu_preview=_gpu_preview(
     "Solve and draw the wrinkles of Solid viewports on the graphics card, which is faster for dense meshes. It needs "
-    "one layer, no base cloth and no body. Renders and other viewports show the fine mesh"))
+    "one layer, no base cloth and no body. Renders and other viewports show the fine mesh. Turn it off before viewport "
+    "exports and Blender's own Apply"))
 RUMPLE_FieldSettings = _settings_group("FIELD", gpu_preview=_gpu_preview(
     "Draw the waves in Solid viewports, on the graphics card"))
 RUMPLE_PathsSettings = _settings_group("PATHS", gpu_preview=_gpu_preview(

@@ -52,15 +52,19 @@ def may_differ(pairs: list[tuple[bpy.types.Object, bpy.types.NodesModifier]]) ->
     mine = [(obj, nodes_mod) for obj, nodes_mod in pairs if modifier.viewport_output(nodes_mod) is not None]
     if not mine or is_paused() or nodes_keep_meshes():
         return set()
-    bound = targets()
-    return {obj for obj, nodes_mod in mine
-            if obj not in bound and keeps_nothing_behind(obj, nodes_mod) and not _is_read_behind(obj, nodes_mod)}
+    return _with_free_points(mine)
 
 
 def may_have_other_points(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier) -> bool:
-    """Whether nothing stores or is bound to the points that viewports show of an object. Cost: as may_differ()."""
-    return (not nodes_keep_meshes() and obj not in targets() and keeps_nothing_behind(obj, nodes_mod)
-            and not _is_read_behind(obj, nodes_mod))
+    """Whether nothing stores the points that viewports show of an object, or is bound to them. Cost: may_differ()'s."""
+    return not nodes_keep_meshes() and bool(_with_free_points([(obj, nodes_mod)]))
+
+
+def _with_free_points(pairs: list[tuple[bpy.types.Object, bpy.types.NodesModifier]]) -> set[bpy.types.Object]:
+    """The objects to whose shown points nothing is bound, and whose own modifiers store none of them."""
+    bound = targets()
+    return {obj for obj, nodes_mod in pairs
+            if obj not in bound and keeps_nothing_behind(obj, nodes_mod) and not _is_read_behind(obj, nodes_mod)}
 
 
 def _is_read_behind(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier) -> bool:

@@ -47,18 +47,22 @@ class Kernels:
         self.normals = stage("normals", ("corner_spans", "corners", "shown"), {"shown_normals": _WRITE})
 
 
+def ranges(counts: np.ndarray) -> np.ndarray:
+    """(n, 2): the first element of every list, and their numbers, which are given, if the lists follow one another."""
+    return np.column_stack((np.cumsum(counts) - counts, counts))
+
+
 def packed(start: np.ndarray, *columns: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Lists of different lengths, two entries in a texel: (n, 2) first texel and number of texels of every list, and
     (m, 4) texels. start: (n + 1,) first entry of every list, then their number. columns: two numbers of every entry.
     The second half of an odd list's last texel is zero."""
     counts = np.diff(start)
-    texels = (counts + 1) // 2
-    first = np.cumsum(texels) - texels
-    entries = np.zeros((2 * int(texels.sum()), 2), np.float32)
-    place = np.repeat(2 * first - start[:-1], counts) + np.arange(int(counts.sum()))
+    texels = ranges((counts + 1) // 2)
+    entries = np.zeros((2 * int(texels[:, 1].sum()), 2), np.float32)
+    place = np.repeat(2 * texels[:, 0] - start[:-1], counts) + np.arange(int(counts.sum()))
     for column, values in enumerate(columns):
         entries[place, column] = values
-    return np.column_stack((first, texels)), entries.reshape(-1, 4)
+    return texels, entries.reshape(-1, 4)
 
 
 class GpuMesh:
@@ -76,8 +80,7 @@ class GpuMesh:
         self._arrays = {
             "places": upload(passes.base_vertices), "limits": upload(limits),
             "spans": upload(np.column_stack((passes.weights, spans))),
-            "bounds": upload(np.column_stack((passes.radius, passes.depth, passes.push,
-                                              passes.noise))),
+            "bounds": upload(np.column_stack((passes.radius, passes.depth, passes.push, passes.noise))),
             **{name: empty(self.count) for name in ("attachments", "normals", "starts", "solved", "changes")}}
         self._collect_pairs(passes)
 
@@ -85,7 +88,7 @@ class GpuMesh:
         """Pairs in the order of the passes, and the pairs of every vertex, first those that keep distances."""
         order = self._pair_order = np.argsort(passes.of_pass, kind="stable")
         counts = np.bincount(passes.of_pass, minlength=passes.pass_count)
-        self._ranges = [(int(first), int(count)) for first, count in zip(np.cumsum(counts) - counts, counts) if count]
+        self._ranges = [(first, count) for first, count in ranges(counts).tolist() if count]
         pairs = passes.pairs[order]
         self._stiffness = passes.stiffness[order]
         is_bending = np.tile(order >= passes.distance_count, 2)
@@ -97,7 +100,7 @@ class GpuMesh:
         entries[:len(index)] = index[of_vertex]
         self._arrays.update(
             pairs=upload(np.column_stack((pairs, passes.stretched[order], passes.rest[order]))),
-            pair_spans=upload(np.column_stack((np.cumsum(totals) - totals, totals, distances))),
+            pair_spans=upload(np.column_stack((ranges(totals), distances))),
             pairs_of=upload(entries.reshape(-1, 4)))
 
     def pose(self, positions: np.ndarray, normals: np.ndarray) -> None:
@@ -188,8 +191,7 @@ class GpuShownMesh:
         order = np.argsort(corners, kind="stable")
         others = [corners[first + (place + step) % sizes][order] for step in (1, sizes - sizes // 2, sizes - 1)]
         counts = np.bincount(corners, minlength=self.count)
-        self._arrays.update(corner_spans=upload(np.column_stack((np.cumsum(counts) - counts, counts))),
-                            corners=upload(np.column_stack(others)))
+        self._arrays.update(corner_spans=upload(ranges(counts)), corners=upload(np.column_stack(others)))
 
     def show(self, solution: gpu.types.GPUTexture) -> None:
         """Cost: O(corners)."""
