@@ -28,6 +28,7 @@ from rumple.blender.objects import modifier, output_mesh  # noqa: E402
 
 MOST_BYTES = 2_000_000
 DANCE_END = 110  # frame
+MAP_SIZE = 1024  # texels: the file stays small
 BODY_SPACING = 0.0095  # metres: the file stays small
 LICENCE = """\
 Licence: GPL-3.0-or-later, as Rumple itself, whose scripts made everything here from nothing. What you render is
@@ -99,10 +100,11 @@ def make_painted() -> None:
 
 def make_expressions() -> None:
     """The face of the clip, with its maps: they are in the file."""
+    bpy.ops.wm.open_mainfile(filepath=str(DATA / "S4_face_expressions.blend"))
     face = gallery_live.build_face()
     with tempfile.TemporaryDirectory() as folder:  # what is baked is written beside a file
         bpy.ops.wm.save_as_mainfile(filepath=str(Path(folder) / "face.blend"))
-        gallery_live.wrinkle_face(face)
+        gallery_live.wrinkle_face(face, MAP_SIZE)
         bpy.ops.file.pack_all()
 
 
@@ -158,8 +160,10 @@ A torso that turns: folds run across it, to the shoulder that goes ahead. Try Dr
 Folds that were painted down the chest with the brush of the Wrinkle Field. Go on: select the shirt and press Paint Rest
 Wrinkles in the part Rest Wrinkles of its panel."""),
     "Expressions": Example(make_expressions, """\
-Brows that rise and frown, with Wrinkle Maps: normal maps that appear with the pose. Solid viewports show no materials:
-go to Material Preview. In Pose Mode move one brow alone."""),
+A face that is surprised, angry, laughs and cries, with Wrinkle Maps: normal maps that appear with the pose, baked in
+two of its poses. Solid viewports show no materials: go to Material Preview. In Pose Mode move one brow, the bone
+oculi01.L, alone.""",
+                           MAKEHUMAN, "S4_face_expressions"),
     "Walk": Example(of_data("S1_walk_shirt", "trousers", "shirt"), """\
 A captured walk in T-shirt and trousers, one click each. Nothing is set by hand. Try silk, denim and leather at the top
 of the shirt's panel.""", CMU % "01", "S1_walk_shirt"),

@@ -16,7 +16,7 @@ ROOT = Path(__file__).resolve().parents[1]
 DATA, OUTFITS = ROOT.parent / "shared" / "data", ROOT / "out" / "outfits"
 
 
-MADE = ("", "skirt", "face", "sit", "twist", "elbow", "jeans", "cape", "painted")  # by scripts
+MADE = ("", "skirt", "sit", "twist", "elbow", "jeans", "cape", "painted")  # by scripts
 
 
 @dataclass(frozen=True)
@@ -37,7 +37,7 @@ BARE, CLOTH = Column("As it was animated"), Column("Wrinkle Mesh, one click", "M
 class Clip:
     """A scene, played through."""
 
-    file: str  # of the folder; none: the demo's; skirt, face: of the lessons; others of scripts/gallery_scenes.py
+    file: str  # of the folder; none: the demo's; skirt: of the lessons; others of scripts/gallery_scenes.py
     garments: tuple[str, ...]  # what is wrinkled, what is worn under others first
     frames: tuple[int, int]
     columns: tuple[Column, ...] = (BARE, CLOTH)
@@ -49,6 +49,7 @@ class Clip:
     folder: Path = DATA
     bone: str = ""  # of the demo's skeleton, in the middle of the picture
     dyed: bool = False  # each column has the colour and the gloss of its fabric
+    is_skin: bool = False  # no cloth, and nothing stands on a floor
     weave: bool = False  # seen from so near that the cloth has threads
     rate: int = 12  # frames a second that are rendered, at least: a browser loads every one of them
 
@@ -85,8 +86,8 @@ CLIPS = {
     "painted": Clip("painted", ("Shirt",), (1, 70), (
         Column("What the brush leaves", "FIELD", paint=True), Column("Wrinkle Field, while the hand moves", "FIELD")),
         distance=1.9, view=(0.25, -1.0, 0.12), raised=0.02, size=(300, 330), rate=6),
-    "face": Clip("face", ("Face",), (1, 84), (Column("As it was animated"), Column("Wrinkle Maps", "MAPS")),
-                 distance=0.75, view=(0.22, -1.0, 0.05), raised=0.025, size=(280, 260)),
+    "face": Clip("S4_face_expressions", ("Head",), (1, 126), (BARE, Column("Wrinkle Maps", "MAPS")), distance=0.48,
+                 view=(0.1, -1.0, 0.05), raised=0.0, size=(320, 330), is_skin=True),
     "skirt": Clip("skirt", ("Skirt",), (1, 60), (Column("As it was animated"), HANG, SWING), distance=3.2,
                   view=FRONT, looks_at=("Skirt",), size=(320, 400)),
     "systems": Clip("", ("Shirt",), (1, 72), (

@@ -10,9 +10,8 @@ from dataclasses import dataclass
 
 import bpy
 import demo_rig
+import face_poses
 import gallery_scenes
-import lesson_scenes
-import lessons_run
 import numpy as np
 from mathutils import Vector
 from rumple.blender import scheduler
@@ -27,10 +26,8 @@ FIELD_WAVELENGTH, FIELD_IRREGULARITY = 0.03, 0.2
 TOWARDS = (0.0, 1.0, 0.0)  # the view
 RING = "Brush"
 DONE = "painted dabs"  # property of the shirt: how many of them
-# Frame; where the brows go, metres: left, right.
-UP, FROWN_LEFT, FROWN_RIGHT, REST = (0, 0, 0.012), (-0.01, 0, -0.005), (0.01, 0, -0.005), (0, 0, 0)
-BROWS = ((1, REST, REST), (14, UP, UP), (24, UP, UP), (36, FROWN_LEFT, FROWN_RIGHT), (46, FROWN_LEFT, FROWN_RIGHT),
-         (56, REST, REST), (66, UP, REST), (76, UP, REST), (84, REST, REST))
+SKIN = (0.55, 0.36, 0.28)  # linear colour
+FACE_SIZE = 2048  # texels of its maps
 
 
 def build_painted() -> bpy.types.Object:
@@ -132,30 +129,17 @@ def show_paint(shirt: bpy.types.Object) -> None:
 
 
 def build_face() -> bpy.types.Object:
-    """The face of the lesson: its brows rise, frown, and one of them rises alone."""
-    face = lesson_scenes.build_face_scene()
-    scene = bpy.context.scene
-    scene.frame_start, scene.frame_end = BROWS[0][0], BROWS[-1][0]
-    key_brows()
-    scene.frame_set(scene.frame_start)
-    return face
+    """The open scene's face, whose brows rise when it is surprised."""
+    head, rig = bpy.data.objects["Head"], bpy.data.objects["HeadRig"]
+    face_poses.key_brows(rig)
+    shader = next(node for node in head.data.materials[0].node_tree.nodes if node.type == "BSDF_PRINCIPLED")
+    shader.inputs["Base Color"].default_value, shader.inputs["Roughness"].default_value = (*SKIN, 1.0), 0.5
+    return head
 
 
-def key_brows() -> None:
-    rig = bpy.data.objects["Face Rig"]
-    for frame, *places in BROWS:
-        for name, place in zip(("brow.L", "brow.R"), places):
-            bone = rig.pose.bones[name]
-            bone.location = bone.bone.matrix_local.to_3x3().inverted() @ Vector(place)
-            bone.keyframe_insert("location", frame=frame)
-
-
-def wrinkle_face(face: bpy.types.Object) -> None:
-    """What the lesson does, by its own words in Python."""
-    bpy.data.objects["Face Rig"].animation_data_clear()
-    exec(compile(lessons_run.script_of("face"), "face.md", "exec"), {"__name__": "face"})
-    key_brows()
-    scene = bpy.context.scene
-    scene.frame_set(scene.frame_start)
-    if face.rumple.message:
-        raise SystemExit(face.rumple.message)
+def wrinkle_face(head: bpy.types.Object, size: int = FACE_SIZE) -> None:
+    """Two reference poses, their maps baked as one click has them. size: texels."""
+    face_poses.add_maps(head, bpy.data.objects["HeadRig"], size)
+    bpy.context.scene.frame_set(bpy.context.scene.frame_start)
+    if head.rumple.message:
+        raise SystemExit(head.rumple.message)

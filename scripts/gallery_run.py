@@ -43,13 +43,13 @@ def open_scene(clip: Clip) -> bpy.types.Scene:
         gallery_scenes.SCENES[clip.file]()
     elif clip.file == "painted":
         gallery_live.build_painted()
-    elif clip.file == "face":
-        gallery_live.build_face()
     elif clip.path is None:
         import demo_scene
         demo_scene.build_demo_scene()
     else:
         bpy.ops.wm.open_mainfile(filepath=str(clip.path))
+    if clip.is_skin:
+        gallery_live.build_face()
     return bpy.context.scene
 
 
@@ -58,7 +58,7 @@ def wrinkle(clip: Clip, column: Column) -> None:
     if clip.file == "painted":
         return gallery_live.wrinkle_painted(bpy.data.objects["Shirt"])
     if column.method == "MAPS":
-        return gallery_live.wrinkle_face(bpy.data.objects["Face"])
+        return gallery_live.wrinkle_face(bpy.data.objects["Head"])
     for name in clip.garments if column.method else ():
         obj = bpy.context.view_layer.objects.active = bpy.data.objects[name]
         if bpy.ops.object.rumple_add(method=column.method) != {"FINISHED"}:
@@ -128,12 +128,12 @@ def render(clip: Clip, column: Column, ways: dict[int, Vector], frames: range, f
     scene = open_scene(clip)
     wrinkle(clip, column)
     light(scene)
-    for name in clip.garments if clip.file != "face" else ():
+    for name in clip.garments if not clip.is_skin else ():
         as_cloth(bpy.data.objects[name], clip.weave)
         if clip.dyed:
             dye(bpy.data.objects[name], column.preset)
     place_camera(clip, ways)
-    if clip.file != "face":
+    if not clip.is_skin:
         place_floor(clip, ways)
     if column.paint:
         gallery_live.show_paint(bpy.data.objects["Shirt"])

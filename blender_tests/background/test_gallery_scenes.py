@@ -144,16 +144,6 @@ class Examples(unittest.TestCase):
         painted = compat.read_attribute(bpy.data.objects["Shirt"].data.attributes["rumple_rest_wrinkle"])
         self.assertGreater((np.linalg.norm(painted, axis=1) > 0.3).sum(), 10)
 
-    @in_one_blender
-    def test_expressions_bring_their_maps_along(self) -> None:
-        self.open_made("Expressions")
-        maps = [image for image in bpy.data.images if image.packed_file is not None and image.size[0] > 1]
-        self.assertGreaterEqual(len(maps), 2)
-        settings = bpy.data.objects["Face"].rumple_maps
-        self.assertEqual([pose.name for pose in settings.poses], ["Surprise", "Frown"])
-        sleeve.play(1, 20)
-        self.assertEqual(bpy.data.objects["Face"].rumple.message, "")
-
 
 if __name__ == "__main__":
     unittest.main()

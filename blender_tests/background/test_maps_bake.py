@@ -14,11 +14,11 @@ from unittest import mock
 
 import bpy
 import numpy as np
-from rumple.blender.maps import bake, bake_apart, export as maps_export
+from rumple.blender.maps import bake, bake_apart, bake_source, export as maps_export
 from rumple.blender.objects import modifier
 from rumple.core.base.wording import UserError
 from rumple.core.systems import poses_json
-from support import face, maps_renders
+from support import face, maps_renders, sleeve
 
 
 def texels(image: bpy.types.Image) -> np.ndarray:
@@ -45,7 +45,6 @@ class Bake(unittest.TestCase):
         face.pose(self.rig, jaw=0.003)
         self.settings = self.obj.rumple_maps
         self.settings.bake_size = 128
-        self.obj.rumple.mesh.hem_rings = 0
 
     def slopes(self, pose: str) -> tuple[np.ndarray, np.ndarray]:
         """How far each texel leans, 0..1, and the column of its centre: 0 left, 1 right of the face."""
@@ -131,9 +130,8 @@ class Bake(unittest.TestCase):
         self.assertTrue(image.is_float)
         self.assertGreater(np.abs(255 * texels(image) - np.rint(255 * texels(image))).max(), 0.1)
 
-    def test_a_wrinkle_field_can_be_baked_too(self) -> None:
-        self.settings.bake_source = "FIELD"
-        self.obj.rumple.field.wavelength = 0.01
+    def test_a_wrinkle_mesh_can_be_baked_too(self) -> None:
+        self.settings.bake_source, self.obj.rumple.mesh.hem_rings = "MESH", 0
         bpy.ops.rumple.maps_bake(every=True)
         self.assertGreater(self.slopes("Left")[0].max(), 0.05)
 
@@ -221,6 +219,46 @@ class Bake(unittest.TestCase):
         with self.assertRaisesRegex(RuntimeError, "Face: it has no UV map"):
             bpy.ops.rumple.maps_bake()
         self.assertIsNone(self.settings.poses[0].image)
+
+
+class Source(unittest.TestCase):
+    """What is baked where nobody has chosen anything: it was the Wrinkle Mesh for skin, too, and hardly to be seen."""
+
+    def source_of(self, obj: bpy.types.Object) -> str:
+        with sleeve.context():
+            sleeve.make_active(obj)
+            self.assertEqual(bpy.ops.rumple.maps_add(), {"FINISHED"})
+        return obj.rumple_maps.bake_source
+
+    def test_skin_gets_the_field_with_creases(self) -> None:
+        obj, _ = face.scene(maps=False)
+        self.assertEqual(self.source_of(obj), "FIELD")
+        obj.rumple.method = "FIELD"
+        bake_source.make_skin(obj, bpy.context.scene)
+        settings = obj.rumple.field
+        self.assertEqual((settings.profile, settings.base_cloth), ("PENCIL_PLEATS", "OFF"))
+        self.assertAlmostEqual(settings.wavelength, 0.02, places=6)  # two edges
+
+    def test_what_the_artist_has_set_stays(self) -> None:
+        obj, _ = face.scene(maps=False)
+        obj.rumple.mesh.radius = 0.5
+        self.assertEqual(self.source_of(obj), "MESH")
+        obj.rumple.method, obj.rumple.field.irregularity = "FIELD", 0.1
+        bake_source.make_skin(obj, bpy.context.scene)
+        self.assertEqual(obj.rumple.field.profile, "SINE")
+
+    def test_a_garment_gets_the_mesh(self) -> None:
+        self.assertEqual(self.source_of(sleeve.to_be_cloth()), "MESH")
+
+    def test_other_wrinkles_of_the_object_are_taken(self) -> None:
+        obj = sleeve.scene(wrinkles=False)
+        sleeve.click(obj, "PATHS")
+        self.assertEqual(self.source_of(obj), "PATHS")
+
+    def test_a_choice_that_was_made_stays(self) -> None:
+        obj, _ = face.scene(maps=False)
+        obj.rumple_maps.bake_source = "PATHS"
+        self.assertEqual(self.source_of(obj), "PATHS")
 
 
 class Export(face.TwoPoses, unittest.TestCase):

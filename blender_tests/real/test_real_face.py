@@ -107,23 +107,31 @@ class Face(unittest.TestCase):
             np.testing.assert_allclose(turned[name], here[name], atol=2e-3)
         self.rig.location = (0.0, 0.0, 0.0)
 
+    def laugh_is_as_steep_as(self) -> float:
+        """How steep the steepest hundredth of its map is, 0..0.5."""
+        self.assertEqual(bpy.ops.rumple.maps_bake(), {"FINISHED"})
+        image = self.settings.poses["Laugh"].image
+        texels = np.empty(len(image.pixels), np.float32)
+        image.pixels.foreach_get(texels)
+        return float(np.percentile(np.abs(texels.reshape(-1, 4)[:, :2] - 0.5).max(1), 99))
+
     def test_a_wide_open_jaw_gives_skin_and_no_curtains(self) -> None:
-        """Nobody has set a Wrinkle Mesh: it was baked as cotton, with folds down the cheeks as deep as on cloth."""
+        """Where nobody has set up wrinkles. It was baked as cotton, with folds down the cheeks as deep as on cloth."""
+        self.assertEqual(self.settings.bake_source, "FIELD")
         self.scene.frame_set(81)
         bpy.ops.rumple.pose_add(name="Laugh")
         self.settings.active = self.settings.poses.find("Laugh")
         self.settings.bake_size = 512
-        steepness = {}
-        for kind in ("skin", "cotton"):
-            if kind == "cotton":
-                self.head.rumple.mesh.radius = 1.0  # the default, but set
-            self.assertEqual(bpy.ops.rumple.maps_bake(), {"FINISHED"})
-            image = self.settings.poses["Laugh"].image
-            texels = np.empty(len(image.pixels), np.float32)
-            image.pixels.foreach_get(texels)
-            steepness[kind] = np.percentile(np.abs(texels.reshape(-1, 4)[:, :2] - 0.5).max(1), 99)
-        self.settings.poses.remove(self.settings.active)
+        of_field = self.laugh_is_as_steep_as()
+        self.settings.bake_source = "MESH"
+        of_mesh = self.laugh_is_as_steep_as()
+        self.head.rumple.mesh.radius = 1.0  # the default, but set: no longer skin
+        of_cloth = self.laugh_is_as_steep_as()
         self.head.rumple.mesh.property_unset("radius")
-        self.assertGreater(steepness["cotton"], 0.15)
-        self.assertLess(steepness["skin"], 0.7 * steepness["cotton"])
-        self.assertGreater(steepness["skin"], 0.03)  # creases there are
+        self.assertGreater(of_cloth, 0.15)
+        self.assertLess(of_mesh, 0.7 * of_cloth)
+        self.assertGreater(of_mesh, 0.03)  # creases there are
+        self.assertLess(of_field, 0.28)  # 33 degrees
+        self.assertGreater(of_field, of_mesh)
+        self.settings.poses.remove(self.settings.active)
+        self.settings.property_unset("bake_source")

@@ -8,7 +8,7 @@ import unittest
 
 import numpy as np
 from rumple.core.settings.system_settings import FieldSettings
-from rumple.core.systems.wrinkle_field import WrinkleField
+from rumple.core.systems.wrinkle_field import WrinkleField, skin_wavelength
 from support.frames import solve_frame
 from support.meshes import compressed, sheet, tube
 
@@ -25,6 +25,13 @@ def solved(base: object, paint: dict[str, np.ndarray], positions: np.ndarray) ->
     """The field, and how its points (n, 3) lie off the smooth surface."""
     field = WrinkleField.build(base, SETTINGS)
     return field, solve_frame(field, 1.0, positions, SETTINGS, paint, start=1).offset
+
+
+class OfSkin(unittest.TestCase):
+    def test_furrows_are_12_mm_apart_but_on_coarse_meshes_and_small_heads(self) -> None:
+        for columns, size, asked in ((200, 0.3, 0.012), (30, 0.3, 0.02), (200, 0.1, 0.05 * math.sqrt(2.0) * 0.1)):
+            self.assertAlmostEqual(skin_wavelength(sheet(columns, columns, size), 1.0), asked, places=5)
+            self.assertAlmostEqual(skin_wavelength(sheet(columns, columns, 100.0 * size), 0.01), asked, places=5)
 
 
 class OnASheet(unittest.TestCase):

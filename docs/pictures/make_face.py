@@ -6,88 +6,25 @@
 """
 from __future__ import annotations
 
-import math
 import os
 import sys
 import tempfile
 from pathlib import Path
 
 import bpy
-from mathutils import Matrix, Quaternion, Vector
+from mathutils import Vector
 
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parents[1]
 sys.path[:0] = [str(ROOT / "addon"), str(ROOT / "scripts"), os.environ["RUMPLE_NATIVE"]]
+import face_poses  # noqa: E402
 import rumple  # noqa: E402
 from contact_sheet import compose  # noqa: E402
-from rumple.core.settings.presets import MESH_PRESETS  # noqa: E402
 
-SHOWN = {"Neutral": 1, "Surprise": 21, "One brow up": 1, "Anger": 51, "Laughing": 81, "Crying": 111}
+SHOWN = ("Neutral", "Surprise", "One brow up", "Anger", "Laughing", "Crying")
 CLOSE = {"Surprise": (0.02, -0.15, 0.858), "Laughing": (0.028, -0.15, 0.778)}  # what close-ups look at
-BROWS = ("oculi01.L", "oculi01.R")
-RAISED = 0.009  # metres: the clip's own brows hardly rise
-PRONOUNCED = 1.25  # "these expressions should be strongly pronounced" (section 4)
 VIEW = Vector((0.35, -1.0, 0.05)).normalized()
-
-# How deep folds may be, painted as an artist would: forehead, crow's feet, beside nose and mouth. Cheeks stay smooth.
-# Centre, radius (metres) and weight of each spot; mirrored.
-PAINTED = (((0.022, -0.15, 0.868), 0.034, 1.0), ((0.0, -0.16, 0.845), 0.018, 0.9), ((0.056, -0.11, 0.822), 0.016, 0.7),
-           ((0.024, -0.145, 0.775), 0.014, 0.55), ((0.034, -0.135, 0.755), 0.014, 0.5), ((0.0, -0.16, 0.80), 0.02, 0.5))
-ELSEWHERE = 0.06
-
-
-def go_to(rig: bpy.types.Object, frame: int) -> None:
-    """The clip keys no brow's location: what was raised stays so unless it is put back."""
-    for bone in rig.pose.bones:
-        bone.matrix_basis.identity()
-    bpy.context.scene.frame_set(frame)
-
-
-def exaggerate(rig: bpy.types.Object, frame: int) -> None:
-    """Every bone goes farther than in that frame."""
-    go_to(rig, frame)
-    for bone in rig.pose.bones:
-        axis, angle = bone.matrix_basis.to_quaternion().to_axis_angle()
-        place = PRONOUNCED * bone.matrix_basis.to_translation()
-        bone.matrix_basis = Matrix.Translation(place) @ Quaternion(axis, PRONOUNCED * angle).to_matrix().to_4x4()
-    bpy.context.view_layer.update()
-
-
-def raise_brows(rig: bpy.types.Object, names: tuple[str, ...] = BROWS) -> None:
-    """From where they are at rest."""
-    for name in names:
-        bone = rig.pose.bones[name]
-        bone.matrix = Matrix.Translation((0.0, 0.0, RAISED)) @ bone.bone.matrix_local
-    bpy.context.view_layer.update()
-
-
-def paint(head: bpy.types.Object) -> None:
-    """The vertex group that scales the height of folds."""
-    group = head.vertex_groups.new(name="Rumple Radius")
-    for vertex in head.data.vertices:
-        place = Vector((abs(vertex.co.x), vertex.co.y, vertex.co.z))
-        weight = max(strength * math.exp(-((place - Vector(centre)).length / radius) ** 4)
-                     for centre, radius, strength in PAINTED)
-        group.add([vertex.index], max(weight, ELSEWHERE), "REPLACE")
-
-
-def wrinkle(head: bpy.types.Object, rig: bpy.types.Object) -> None:
-    """Two reference poses, their maps baked from a Wrinkle Mesh, shown in the material."""
-    bpy.context.view_layer.objects.active = head
-    bpy.ops.object.rumple_add(method="MAPS")
-    exaggerate(rig, SHOWN["Surprise"])
-    raise_brows(rig)
-    bpy.ops.rumple.pose_add(name="Surprise")
-    exaggerate(rig, SHOWN["Anger"])
-    bpy.ops.rumple.pose_add(name="Anger")
-    paint(head)
-    skin = dict(MESH_PRESETS["SKIN"].values, wavelength=0.0075, radius=0.5, hem_rings=3)
-    for name, value in skin.items():
-        setattr(head.rumple.mesh, name, value)
-    settings = head.rumple_maps
-    settings.bake_size, settings.bake_deep, settings.gain = 2048, True, 3.0
-    assert bpy.ops.rumple.maps_bake(every=True) == {"FINISHED"}
-    assert bpy.ops.rumple.maps_show() == {"FINISHED"}
+SIZE = 2048  # texels
 
 
 def stage(head: bpy.types.Object) -> None:
@@ -118,9 +55,9 @@ def stage(head: bpy.types.Object) -> None:
 def show(rig: bpy.types.Object, clip: bpy.types.Action, name: str) -> None:
     """An expression of the clip, the brows raised in some: so that it stays when a render plays the frame."""
     rig.animation_data.action = clip if name != "One brow up" else None
-    go_to(rig, SHOWN[name])
+    face_poses.go_to(rig, face_poses.HELD.get(name, 1))
     if name in ("Surprise", "One brow up"):
-        raise_brows(rig, BROWS if name == "Surprise" else BROWS[:1])
+        face_poses.raise_brows(rig, face_poses.BROWS if name == "Surprise" else face_poses.BROWS[:1])
 
 
 def influences(head: bpy.types.Object) -> bpy.types.Material:
@@ -165,7 +102,7 @@ def save(tiles: list[tuple[str, Path]], rows: int, path: Path) -> None:
 def main() -> None:
     rumple.register()
     head, rig = bpy.data.objects["Head"], bpy.data.objects["HeadRig"]
-    wrinkle(head, rig)
+    face_poses.add_maps(head, rig, SIZE)
     stage(head)
     skin, clip = head.data.materials[0], rig.animation_data.action
     coloured = influences(head)

@@ -18,9 +18,9 @@ import numpy as np
 HERE = Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE))
 import make_face  # noqa: E402
+import face_poses  # noqa: E402
 import rumple  # noqa: E402
 from rumple.blender import compat  # noqa: E402
-from rumple.core.settings.presets import MESH_PRESETS  # noqa: E402
 
 FACE = ("Head", "EyesTeeth")
 POSES = {"Surprise": {"Brow Up L": 1.0, "Brow Up R": 1.0, "Jaw Open": 1.0}, "Anger": {"Frown": 1.0}}
@@ -45,12 +45,12 @@ def keyed(objects: list[bpy.types.Object], rig: bpy.types.Object) -> None:
         bpy.context.view_layer.update()
 
     def brow(name: str) -> Callable[[], None]:
-        return lambda: make_face.raise_brows(rig, (name,))
+        return lambda: face_poses.raise_brows(rig, (name,))
 
     def expression(name: str) -> Callable[[], None]:
         def go() -> None:
             rig.animation_data.action = action
-            make_face.exaggerate(rig, make_face.SHOWN[name])
+            face_poses.exaggerate(rig, face_poses.HELD[name])
         return go
 
     poses = {"Brow Up L": brow("oculi01.L"), "Brow Up R": brow("oculi01.R"), "Jaw Open": expression("Surprise"),
@@ -87,11 +87,7 @@ def wrinkle(head: bpy.types.Object) -> None:
     for name, values in POSES.items():
         set_keys(values)
         bpy.ops.rumple.pose_add(name=name)
-    make_face.paint(head)
-    for name, value in dict(MESH_PRESETS["SKIN"].values, wavelength=0.0075, radius=0.5, hem_rings=3).items():
-        setattr(head.rumple.mesh, name, value)
-    settings = head.rumple_maps
-    settings.bake_size, settings.bake_deep, settings.gain = 2048, True, 3.0
+    head.rumple_maps.bake_size = make_face.SIZE
     assert bpy.ops.rumple.maps_bake(every=True) == {"FINISHED"}
     assert bpy.ops.rumple.maps_show() == {"FINISHED"}
 

@@ -17,15 +17,13 @@ import numpy as np
 from mathutils import Matrix
 
 from ...core.base.wording import UserError
-from ...core.settings.presets import SKIN_OF_MAPS
 from .. import compat, scheduler
-from ..first_click import cloth_defaults
 from ..frame import rebuild
 from ..nodes import maps_shader
 from ..objects import messages, modifier, properties, runtimes, units
 from ..translation import said
-from . import (bake_apart, changes as maps_changes, export as maps_export, keys as maps_keys, modifier as maps_modifier,
-               operators as maps_operators, rig as maps_rig, stored_poses)
+from . import (bake_apart, bake_source, changes as maps_changes, export as maps_export, keys as maps_keys,
+               modifier as maps_modifier, operators as maps_operators, rig as maps_rig, stored_poses)
 
 SAMPLES = 8  # samples per texel, so that wrinkles narrower than a texel are averaged
 SETTLE_ITERATIONS = 100  # from the canonical start: a single frame may take longer
@@ -133,8 +131,9 @@ class MapBake:
 
     def _add_wrinkles(self, copy: bpy.types.Object) -> None:
         method = self.obj.rumple_maps.bake_source
-        if method == "MESH":
-            self._make_skin(copy)
+        if method != "PATHS":
+            copy.rumple.method = method
+            bake_source.make_skin(copy, self.context.scene)
         with self.context.temp_override(object=copy, active_object=copy, selected_objects=[copy]):
             result = bpy.ops.object.rumple_add(method=method, shade=False)
         if result != {"FINISHED"}:
@@ -150,14 +149,6 @@ class MapBake:
         for _ in range(2):  # the first update solves, the second one shows the result
             copy.update_tag()
             self.context.view_layer.update()
-
-    def _make_skin(self, copy: bpy.types.Object) -> None:
-        """Use settings of skin, unless the artist has set up its Wrinkle Mesh, or it is a garment."""
-        copy.rumple.method = "MESH"
-        settings, scene = properties.group_of(copy), self.context.scene
-        untouched = not any(settings.is_property_set(name) for name in properties.fields_of(copy))
-        if untouched and not cloth_defaults.defaults(copy, scene):
-            properties.apply_values(copy, scene, SKIN_OF_MAPS)
 
     def _frozen(self, copy: bpy.types.Object, ended: ExitStack) -> bpy.types.Object:
         """A copy without modifiers, scaled to metres, because the baker's lengths are in the units of its own scene and

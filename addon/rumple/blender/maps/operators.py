@@ -18,8 +18,8 @@ from .. import compat, scheduler
 from ..frame import rebuild as frame_rebuild
 from ..nodes import maps_shader
 from ..translation import said
-from . import (changes as maps_changes, keys as maps_keys, modifier as maps_modifier, rebuild as maps_rebuild,
-               rig as maps_rig)
+from . import (bake_source, changes as maps_changes, keys as maps_keys, modifier as maps_modifier,
+               rebuild as maps_rebuild, rig as maps_rig)
 
 
 def target(context: bpy.types.Context) -> bpy.types.Object | None:
@@ -82,6 +82,9 @@ def add_maps(obj: bpy.types.Object) -> None:
     """Add the modifier, and the node group in the object's materials. If it raises UserError, nothing is changed."""
     maps_rig.refuse_without_pose(obj)
     native.load()
+    settings = obj.rumple_maps
+    if not settings.is_property_set("bake_source"):
+        settings.bake_source = bake_source.suggested(obj, bpy.context.scene)
     with scheduler.suspended():
         nodes_mod = maps_modifier.add(obj)
     maps_rebuild.prepare(obj, nodes_mod)

@@ -69,9 +69,13 @@ MESH_PRESETS = {
                                   damping=0.0, collision="PLANE")),
 }
 
-# For Wrinkle Maps on an object without wrinkle settings of its own. Skin is held from below: a wide open jaw compresses
-# a cheek by a quarter, but the folds are less deep than in cloth.
-SKIN_OF_MAPS = dict(MESH_PRESETS["SKIN"].values, radius=0.2, base_cloth="OFF")
+# For Wrinkle Maps on skin without wrinkle settings of its own, by the system that makes the wrinkles. Skin is held from
+# below: a wide open jaw compresses a cheek by a quarter, but the folds are less deep than in cloth.
+SKIN_OF_MAPS: dict[str, dict[str, Any]] = {
+    "MESH": dict(MESH_PRESETS["SKIN"].values, radius=0.2, base_cloth="OFF"),
+    # Round rolls between narrow creases, in long rows that are not even
+    "FIELD": dict(profile="PENCIL_PLEATS", irregularity=0.5, strength=0.7, buckling_threshold=0.04, base_cloth="OFF"),
+}
 
 # Section 9.1 of the thesis: the compression threshold describes how easily a cloth bends, the width how tightly it can
 # be compressed.

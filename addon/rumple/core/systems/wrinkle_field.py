@@ -33,6 +33,16 @@ def suggested_wavelength(base: BaseMesh, unit_scale: float) -> float:
     return float(f"{2.0 * edge:.2g}") if edge > 0.0 else FieldSettings.wavelength
 
 
+SKIN_WAVELENGTH = 0.012  # metres: from furrow to furrow on a raised forehead
+SKIN_OF_HEAD = 0.05  # the same as a share of the diagonal of a head, for small ones
+
+
+def skin_wavelength(base: BaseMesh, unit_scale: float) -> float:
+    """The same for the furrows of skin, which do not become finer on a dense mesh. Metres."""
+    furrow = min(SKIN_WAVELENGTH, SKIN_OF_HEAD * base.diagonal() * unit_scale)
+    return max(suggested_wavelength(base, unit_scale), furrow)
+
+
 # The height of waves grows with the square root of the compression. Without a threshold, resting cloth that is a
 # hundredth shorter in places would show waves of 3 mm.
 CLOTH_DEFAULTS = dict(buckling_threshold=0.02)
