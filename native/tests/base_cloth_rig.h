@@ -56,6 +56,16 @@ struct Garment {
     }
 };
 
+inline std::vector<MeshData> garment_meshes() {
+    return {tube(16, 10, 0.1f, 0.5f), grid(9, 7, 0.04f), triangulated(tube(12, 8, 0.1f, 0.4f))};
+}
+
+inline base_cloth::Settings weightless() {
+    base_cloth::Settings settings;
+    settings.gravity = Vec3(0.0f);
+    return settings;
+}
+
 // Held a little by its animation, and pulled along z, m/s^2.
 inline base_cloth::Settings falling(float gravity) {
     base_cloth::Settings settings;

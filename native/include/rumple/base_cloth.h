@@ -157,7 +157,8 @@ typedef struct rumple_base_cloth_kept {
     float moved;       // largest movement of a vertex in the last full step, object units, >= 0
     float seconds;     // between the two poses, >= 0
     float fastest;     // largest speed in the frame, object units / s, >= 0
-    float gravity[3];  // in this frame, object space, object units / s^2
+    float gravity[3];  // in this frame, object space, object units / s^2; without inertia in the frame of
+                       // the rest shape
     float wind[3];     // in this frame, object space, object units / s
     const float* air;  // (w, 3), object units / s, or none
     size_t air_count;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "surface/cloth/base_cloth.h"
 
+#include <cmath>
 #include <limits>
 #include <utility>
 
@@ -17,6 +18,8 @@ constexpr int kContactEvery = 2;  // Newton steps, from a given state: see Sched
 // Hessian of the next step, which goes back where needed (a non-monotone line search: Grippo, Lampariello and
 // Lucidi, SIAM Journal on Numerical Analysis 23, 1986).
 constexpr double kOvershoot = 50.0;
+// Share of the whole spread of the vertices that a flat garment has across itself.
+constexpr double kFlatSpread = 1e-6;
 
 bool fits(const Model& model, const State* state) {
     return state && state->offset.size() == model.area.size() && matches(model, *state);
@@ -36,9 +39,44 @@ float solved_within(const Model& model) {
     return kSettledCloth * static_cast<float>(mean_length(model));
 }
 
-Schedule schedule_of(const Model& model, const Settings& settings, const Pose& pose, const State* before) {
+// Gravity in the frame of the rest shape: R^T g for a pose that is the rest shape turned by R. In other poses
+// it is the regression of the heights of the animated vertices over their places at rest.
+Vec3 gravity_at_rest(const Model& model, const Settings& settings, const Pose& pose) {
+    const std::vector<Vec3>& rest = model.surface.positions_rest;
+    glm::dvec3 middle_at_rest(0.0), middle(0.0);
+    double area = 0.0;
+    for (size_t v = 0; v < rest.size(); ++v) {
+        middle_at_rest += double(model.area[v]) * glm::dvec3(rest[v]);
+        middle += double(model.area[v]) * glm::dvec3(pose.animated[v]);
+        area += double(model.area[v]);
+    }
+    if (area <= 0.0) return settings.gravity;
+    const glm::dvec3 gravity(settings.gravity);
+    glm::dmat3 spread(0.0);
+    glm::dvec3 fall(0.0);
+    for (size_t v = 0; v < rest.size(); ++v) {
+        const glm::dvec3 from_middle = glm::dvec3(rest[v]) - middle_at_rest / area;
+        spread += glm::outerProduct(double(model.area[v]) * from_middle, from_middle);
+        fall += double(model.area[v]) * glm::dot(glm::dvec3(pose.animated[v]) - middle / area, gravity) *
+                from_middle;
+    }
+    const double least = kFlatSpread * (spread[0][0] + spread[1][1] + spread[2][2]);
+    const Vec3 found(glm::inverse(spread + glm::dmat3(least)) * fall);
+    return std::isfinite(found.x + found.y + found.z) ? found : settings.gravity;
+}
+
+// Whether nothing that acts on the cloth has changed since a state was solved, but for rounding. If the cloth
+// turns as a whole, all lengths and distances stay, but its weight pulls it another way.
+bool acts_as_before(const Model& model, const Settings& settings, const Pose& pose, const Vec3& gravity,
+                    const State& state) {
+    return glm::distance(gravity, state.motion.gravity) <= kHeldStrain * glm::length(settings.gravity) &&
+           same_pose(model, pose, state, kHeldStrain * settings.room);
+}
+
+Schedule schedule_of(const Model& model, const Settings& settings, const Pose& pose, const Vec3& gravity,
+                     const State* before) {
     if (!before) return {false, settings.start_steps, 1, 0.0f};
-    if (!same_pose(model, pose, *before, kHeldStrain * settings.room))
+    if (!acts_as_before(model, settings, pose, gravity, *before))
         return {false, settings.steps, kContactEvery, solved_within(model)};
     const float at_rest = kStillCloth * settings.room;
     const bool held = before->moved <= at_rest;
@@ -106,7 +144,8 @@ Result solve_pose(const Model& model, const Settings& settings, const Pose& pose
     for (size_t v = 0; before && v < vertices; ++v) x[v] += pose.frame[v].to_object(before->offset[v]);
     std::vector<Plane> planes(vertices);
     look_for_contacts(model, pose, x, out.state.contact_hint, planes);
-    const Schedule schedule = schedule_of(model, settings, pose, before);
+    const Vec3 gravity = gravity_at_rest(model, settings, pose);
+    const Schedule schedule = schedule_of(model, settings, pose, gravity, before);
     for (bool last = schedule.most_steps == 0; !last;) {
         last = ++out.report.steps == schedule.most_steps;
         NewtonProblem problem{model, settings, pose, planes};
@@ -121,6 +160,7 @@ Result solve_pose(const Model& model, const Settings& settings, const Pose& pose
                                                  : pose.frame[v].to_local(x[v] - pose.animated[v]));
     }
     keep_pose(pose, schedule.held ? before : nullptr, out.state);
+    out.state.motion.gravity = schedule.held ? before->motion.gravity : gravity;
     out.state.moved = has_settled(model, schedule, out.report.moved) ? 0.0f : out.report.moved;
     // The state keeps the equilibrium, not the projected positions. A solve that started from projected
     // positions would leave its equilibrium in every frame.

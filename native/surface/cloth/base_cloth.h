@@ -119,10 +119,10 @@ struct Motion {
     std::vector<Vec3> animated_before;  // in the frame before that
     float seconds = 0.0f;               // between these two
     float fastest = std::numeric_limits<float>::max();  // speed in the frame, object units / s; unknown: most
-    Vec3 gravity{0.0f};                                 // that acted, object units / s^2
-    Vec3 wind{0.0f};                                    // that blew, object units / s
-    std::vector<Vec3> air;                              // that blew beside it, or none
-    std::vector<Vec3> push;                             // acceleration that acted beside gravity, or none
+    Vec3 gravity{0.0f};      // that acted, object units / s^2; without inertia in the frame of the rest shape
+    Vec3 wind{0.0f};         // that blew, object units / s
+    std::vector<Vec3> air;   // that blew beside it, or none
+    std::vector<Vec3> push;  // acceleration that acted beside gravity, or none
 
     size_t values() const {
         return position.size() + velocity.size() + animated.size() + animated_before.size() + air.size() +

@@ -296,7 +296,8 @@ void check(const Swing& swing, size_t vertices) {
 }
 
 State activated(State state) {
-    state.motion.fastest = Motion{}.fastest;
+    state.moved = kFarthestCoordinate;        // without inertia
+    state.motion.fastest = Motion{}.fastest;  // with inertia
     return state;
 }
 

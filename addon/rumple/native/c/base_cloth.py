@@ -154,7 +154,7 @@ class BaseClothKept(Struct):
     moved: float  # largest movement of a vertex in the last full step, object units, >= 0
     seconds: float  # between the two poses, >= 0
     fastest: float  # largest speed in the frame, object units / s, >= 0
-    gravity: Array  # in this frame, object space, object units / s^2
+    gravity: Array  # in this frame, object space, object units / s^2; without inertia in the frame of the rest shape
     wind: Array  # in this frame, object space, object units / s
     air: int | None  # (w, 3), object units / s, or none
     air_count: int
