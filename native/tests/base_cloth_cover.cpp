@@ -38,8 +38,8 @@ struct Wrapped {
         for (size_t v = 0; v < out.size(); ++v) out[v] += lifts[v];
         return out;
     }
-    // Height of the lowest point of the smooth surface over the ball, sampled finely: below 0 inside of it.
-    float lowest(const Points& at) const {
+    // The smooth surface, sampled finely.
+    Points fine_points(const Points& at) const {
         FineSource source;
         source.level = 4;
         const Attachments fine =
@@ -47,8 +47,12 @@ struct Wrapped {
         Points welded(surface.welded.vertex_count), normals(welded.size()), points(fine.places.size());
         weld_positions(surface, at, welded);
         attach(surface, fine, welded, normals, points);
+        return points;
+    }
+    // Height of its lowest point over the ball: below 0 inside of it.
+    float lowest(const Points& at) const {
         float least = 1.0f;
-        for (const Vec3& p : points) least = std::min(least, glm::length(p) - kBall);
+        for (const Vec3& p : fine_points(at)) least = std::min(least, glm::length(p) - kBall);
         return least;
     }
 };
@@ -57,6 +61,22 @@ TEST(BaseClothCover, ASmoothSurfaceThatCutsThroughABodyIsLiftedOutOfIt) {
     const Wrapped wrapped;
     EXPECT_LT(wrapped.lowest(wrapped.positions), -0.008f);
     EXPECT_GT(wrapped.lowest(wrapped.covered()), 0.001f);
+}
+
+// Where skin is deleted under the cloth, its border lies between the tested points, beside all of them: it
+// came through the shoulder of a shirt, as specks.
+TEST(BaseClothCover, TheBorderOfABodyBetweenTheTestedPointsIsCovered) {
+    const MeshData sheet = grid(2, 2, 0.03f);
+    const Surface surface = tests::build(sheet);
+    const Vec3 place(0.037f, 0.037f, 0.001f);  // of a scrap of skin, 1 mm above the cloth
+    const Body scrap{{place, place + Vec3(0.001f, 0.0f, 0.0f), place + Vec3(0.0f, 0.001f, 0.0f)},
+                     {{0, 1, 2}}};
+    const Collider collider = scrap.collider();
+    const PosedCollider bodies(collider, scrap.positions);
+    const std::vector<Index> hints(sheet.positions.size(), 0);
+    const CoverSettings settings{.thickness = 0.002f};
+    const Points lifts = lifts_over(surface, build_cover(surface), settings, bodies, sheet.positions, hints);
+    EXPECT_GT(lifts[4].z, 0.001f);  // the vertex in the middle
 }
 
 TEST(BaseClothCover, WhatIsOffTheBodyStaysToTheBit) {

@@ -18,22 +18,34 @@ float reach(const CoverSettings& settings) {
     return settings.depth + settings.thickness;
 }
 
-// How far a point of the surface must move outwards.
+// Half of the longest side of a triangle: as far from a sample nothing else of it is tested.
+float half_side(const std::array<Index, 3>& corners, std::span<const Vec3> positions) {
+    const auto& [a, b, c] = corners;
+    return 0.5f *
+           std::max({glm::distance(positions[a], positions[b]), glm::distance(positions[b], positions[c]),
+                     glm::distance(positions[c], positions[a])});
+}
+
+// How far a point of the surface must move outwards. spacing: distance of the next tested points.
 float lift_of(const CoverSettings& settings, const PosedCollider& bodies, const Vec3& point,
-              const Vec3& normal, const Vec3& rest, Index hint) {
+              const Vec3& normal, const Vec3& rest, Index hint, float spacing) {
     const float length = glm::length(normal);
     if (length < kShortestNormal) return 0.0f;
     const BodyContact body = bodies.closest_around(point, normal / length, reach(settings), hint, rest);
     if (body.triangle == kNone || body.distance < -settings.depth) return 0.0f;
-    return body.weight * std::max(settings.thickness - body.distance, 0.0f);
+    const float lift = settings.thickness - body.distance;
+    // The border of a body that is deleted under the cloth must stay below the surface between the samples.
+    if (body.border) return std::max(lift - std::max(body.beside - spacing, 0.0f), 0.0f);
+    return body.weight * std::max(lift, 0.0f);
 }
 
 // Per sample of the surface: how far it must move outwards. before: the lift of every vertex in the pass
 // before. A triangle that did not move then needs no more lift, so it is left out.
 std::vector<float> lifts_of_samples(const Surface& surface, const CoverModel& model,
                                     const CoverSettings& settings, const PosedCollider& bodies,
-                                    std::span<const Vec3> points, std::span<const Vec3> normals,
-                                    std::span<const float> before, std::span<const Index> hints) {
+                                    std::span<const Vec3> at, std::span<const Vec3> points,
+                                    std::span<const Vec3> normals, std::span<const float> before,
+                                    std::span<const Index> hints) {
     std::vector<float> lift(points.size(), 0.0f);
     for_each_index(points.size(), kLeastSearches, [&](size_t s) {
         const SurfacePoint& place = model.samples.places[s];
@@ -43,7 +55,7 @@ std::vector<float> lifts_of_samples(const Surface& surface, const CoverModel& mo
         const Index hint = hint_at(surface, place.triangle, hints);
         if (hint == kNone) return;
         lift[s] = lift_of(settings, bodies, points[s], interpolate(surface, place, normals),
-                          interpolate(surface, place, surface.positions_rest), hint);
+                          interpolate(surface, place, surface.positions_rest), hint, half_side(corners, at));
     });
     return lift;
 }
@@ -87,7 +99,8 @@ std::vector<Vec3> lifts_over(const Surface& surface, const CoverModel& model, co
         vertex_normals(surface, at, normals);
         attach(surface, model.samples, at, normals, points);
         lift = lifts_of_vertices(
-            surface, model, lifts_of_samples(surface, model, settings, bodies, points, normals, lift, hints));
+            surface, model,
+            lifts_of_samples(surface, model, settings, bodies, at, points, normals, lift, hints));
         for (size_t v = 0; v < vertices; ++v) at[v] += lift[v] * normals[v];
         for (size_t v = 0; v < lifts.size(); ++v)
             lifts[v] += lift[surface.welded_of[v]] * normals[surface.welded_of[v]];
