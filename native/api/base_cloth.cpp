@@ -8,6 +8,7 @@
 #include "rumple.h"
 #include "surface/cloth/cover.h"
 #include "surface/cloth/swing.h"
+#include "surface/cloth/untangle.h"
 
 using namespace rumple;
 using namespace rumple::api;
@@ -391,5 +392,17 @@ rumple_status rumple_cloth_cover_lift(const rumple_cloth_cover* cover,
         const auto near = values(hints, hints_count, "hints");
         const auto out = output<Vec3>(lifts, lifts_count, points.size(), "lifts");
         write(sound(lifts_over(c.surface, c.cover, options, *worn_over, points, near)), out);
+    });
+}
+
+rumple_status rumple_cloth_untangle(const rumple_surface* surface, const float* animated,
+                                    size_t animated_count, const float* positions, size_t positions_count,
+                                    float* untangled_positions, size_t untangled_count) {
+    return guarded([&] {
+        const Surface& s = given(surface, "surface").surface;
+        const auto from = vectors(animated, animated_count, "animated");
+        const auto points = vectors(positions, positions_count, "positions");
+        const auto out = output<Vec3>(untangled_positions, untangled_count, points.size(), "untangled");
+        write(sound(untangled(s, from, points)), out);
     });
 }

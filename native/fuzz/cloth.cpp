@@ -206,6 +206,19 @@ void lift_cover(World& world, Bytes& bytes) {
         "lifts");
 }
 
+void untangle_cloth(World& world, Bytes& bytes) {
+    const auto surface = world.surfaces.pick(bytes);
+    const size_t vertices = surface.handle ? size_t(surface.base->vertices) : 3;
+    const auto pose = [&] {
+        return surface.handle ? pose_of(surface.base->rest, bytes) : std::vector<float>(9);
+    };
+    const Floats animated(pose(), 3, bytes), positions(pose(), 3, bytes);
+    Written untangled(vertices, 3, bytes);
+    untangled.check(CALL(rumple_cloth_untangle, surface.handle, animated.pointer, animated.count,
+                         positions.pointer, positions.count, untangled.pointer(), untangled.count),
+                    "untangled");
+}
+
 void free_one(World& world, Bytes& bytes) {
     switch (bytes.below(4)) {
         case 0:
@@ -232,7 +245,7 @@ rumple_bodies bodies(const World& world, std::vector<float>& keep, Bytes& bytes)
     return {collider.handle, keep.data(), keep.size() / 3 - (bytes.hostile() ? 1 : 0)};
 }
 
-const std::vector<Operation> kCloth = {build_cloth, build_collider, paint_cloth,    solve_cloth,
-                                       solve_cloth, lift_cover,     activate_cloth, free_one};
+const std::vector<Operation> kCloth = {build_cloth, build_collider, paint_cloth,    solve_cloth, solve_cloth,
+                                       lift_cover,  activate_cloth, untangle_cloth, free_one};
 
 }  // namespace rumple::fuzz

@@ -233,6 +233,15 @@ def cover_bodies(surface: Surface, cover: ClothCover, collider: Collider, body_p
     return lifts
 
 
+def untangle_cloth(surface: Surface, animated: np.ndarray, positions: np.ndarray) -> np.ndarray:
+    """(n, 3) float32: positions without triangles that are turned over there and not in the animation. animated,
+    positions: (n, 3) float32, object space."""
+    place, count = given(positions, "positions", FLOAT, 3)
+    out = new(FLOAT, count, 3)
+    lib.rumple_cloth_untangle(surface, *given(animated, "animated", FLOAT, 3), place, count, address(out), count)
+    return out
+
+
 __all__ = ["BaseClothModel", "BaseClothPaint", "BaseClothReport", "BaseClothSettings", "BaseClothState",
            "BaseClothSwing", "ClothCover", "Collider", "VertexForces", "build_base_cloth", "build_cloth_cover",
-           "cover_bodies", "solve_base_cloth", "swing_base_cloth"]
+           "cover_bodies", "solve_base_cloth", "swing_base_cloth", "untangle_cloth"]

@@ -52,6 +52,8 @@ class DrapedCloth:
         if settings.draped:
             self.drape.add_to(frame, settings, given.world_from_object, before.drape if before is not None else None,
                               self.contact(frame, settings, body), smooth)
+        if covers:
+            frame.positions = kernels.untangle_cloth(self.cloth.surface, given.positions, frame.positions)
         if (covers or smooth is not None) and body is not None and len(body.triangles):
             self._lift(frame, settings, body, None if covers else smooth)
         return frame
