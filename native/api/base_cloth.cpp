@@ -6,9 +6,7 @@
 #include "base/expect.h"
 #include "base/tolerances.h"
 #include "rumple.h"
-#include "surface/cloth/cover.h"
 #include "surface/cloth/swing.h"
-#include "surface/cloth/untangle.h"
 
 using namespace rumple;
 using namespace rumple::api;
@@ -24,10 +22,6 @@ struct rumple_base_cloth_paint {
 struct rumple_base_cloth_state {
     std::shared_ptr<const Model> model;
     base_cloth::Result result;
-};
-struct rumple_cloth_cover {
-    Surface surface;
-    CoverModel cover;
 };
 
 // Each of these functions lists all fields once, for both directions: see api/settings.h. They are in no
@@ -71,12 +65,6 @@ static void pair_fields(rumple_base_cloth_swing& c, base_cloth::Swing& native, c
     pair(c.drag, native.drag);
     pair(c.wind, native.wind);
     pair(c.shift, native.placement.shift);
-}
-
-template <typename Pair>
-static void pair_fields(rumple_cloth_cover_settings& c, CoverSettings& native, const Pair& pair) {
-    pair(c.thickness, native.thickness);
-    pair(c.depth, native.depth);
 }
 
 namespace {
@@ -358,51 +346,5 @@ rumple_status rumple_base_cloth_swing_solve(
         });
         if (report) *report = report_of(solved.report);
         return new rumple_base_cloth_state{m.model, std::move(solved)};
-    });
-}
-
-// ---- its smooth surface
-
-rumple_status rumple_cloth_cover_build(const rumple_surface* surface, rumple_cloth_cover** cover) {
-    return made(cover, "cover", [&] {
-        const Surface& s = given(surface, "surface").surface;
-        return new rumple_cloth_cover{s, build_cover(s)};
-    });
-}
-
-void rumple_cloth_cover_free(rumple_cloth_cover* cover) {
-    delete cover;
-}
-
-rumple_cloth_cover_settings rumple_cloth_cover_settings_default(void) {
-    return default_of<rumple_cloth_cover_settings, CoverSettings>();
-}
-
-rumple_status rumple_cloth_cover_lift(const rumple_cloth_cover* cover,
-                                      const rumple_cloth_cover_settings* settings,
-                                      const rumple_bodies* bodies, const float* positions,
-                                      size_t positions_count, const int32_t* hints, size_t hints_count,
-                                      float* lifts, size_t lifts_count) {
-    return guarded([&] {
-        const rumple_cloth_cover& c = given(cover, "cover");
-        const auto options = native_of<CoverSettings>(settings, "settings");
-        given(given(bodies, "bodies").collider, "bodies.collider");
-        const auto worn_over = posed(bodies);
-        const auto points = vectors(positions, positions_count, "positions");
-        const auto near = values(hints, hints_count, "hints");
-        const auto out = output<Vec3>(lifts, lifts_count, points.size(), "lifts");
-        write(sound(lifts_over(c.surface, c.cover, options, *worn_over, points, near)), out);
-    });
-}
-
-rumple_status rumple_cloth_untangle(const rumple_surface* surface, const float* animated,
-                                    size_t animated_count, const float* positions, size_t positions_count,
-                                    float* untangled_positions, size_t untangled_count) {
-    return guarded([&] {
-        const Surface& s = given(surface, "surface").surface;
-        const auto from = vectors(animated, animated_count, "animated");
-        const auto points = vectors(positions, positions_count, "positions");
-        const auto out = output<Vec3>(untangled_positions, untangled_count, points.size(), "untangled");
-        write(sound(untangled(s, from, points)), out);
     });
 }
