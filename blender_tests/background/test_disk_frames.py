@@ -88,6 +88,27 @@ class Kept(unittest.TestCase):
                     np.testing.assert_array_equal(sleeve.shown(obj), played[frame])
                 self.assertEqual((obj.rumple.message, runtimes.of(obj).unplayed), ("", ""))
 
+    def test_a_jump_behind_a_pose_that_was_changed_since(self) -> None:
+        """Play, save, edit, play, save, reopen, jump: it showed the frame from before the edit."""
+        obj = self.made()
+        upper = bpy.data.objects["Arm"].pose.bones["upper"]
+        upper.rotation_mode = "XYZ"
+        for frame in range(1, LAST + 1):  # so that a key changes one frame only
+            upper.keyframe_insert("rotation_euler", frame=frame)
+        old = self.played(obj)
+        self.saved()
+        upper.rotation_euler.z = 0.2
+        upper.keyframe_insert("rotation_euler", frame=3)
+        played = self.played(obj)
+        self.saved()
+        self.assertEqual(len(self.files()), LAST)
+        obj = self.opened()
+        sleeve.at(8)
+        self.assertTrue(sleeve.picture(obj).replayed)
+        self.assertEqual(runtimes.of(obj).unplayed, "")
+        np.testing.assert_array_equal(sleeve.shown(obj), played[8])
+        self.assertGreater(np.abs(played[8] - old[8]).max(), 1e-5)
+
     def test_another_smoothing_of_the_viewport_reads_the_same_frames(self) -> None:
         """The same is solved: what was kept is not solved again."""
         self.played(self.made())

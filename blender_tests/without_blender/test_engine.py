@@ -252,7 +252,7 @@ class FrameLaws(unittest.TestCase):
         self.assertLessEqual(cache.bytes + self.pictures() * size, cache.limit_bytes)
 
     def pictures(self) -> int:
-        return sum(len(cached.pictures) for _, cached in self.mesh.frame_cache._all())
+        return sum(len(cached.pictures) for *_, cached in self.mesh.frame_cache._all())
 
     def test_folds_ride_with_a_rigid_motion(self) -> None:
         here = self.solve(5)

@@ -2,11 +2,14 @@
 """Stores final frames as files, so that they need not be solved again after the blend file is reopened. Never imports
 bpy.
 
-Each object has a folder with a file for each final frame. The file name is a digest of everything that the frame
-depends on: version, model, paint, frame number and inputs. So a frame of other settings or of another mesh is never
-found. The file contains a digest of its bytes, then the solver's state in the format of a checkpoint. Every process
-writes the same bytes for the same frame, and moves the file into place by a rename. So two Blenders may use one folder,
-and one may remove files that the other has written.
+Each object has a folder with a file for each final frame. The file name is a digest of version, model, paint, first
+frame, frame rate and frame number. So a frame of another mesh is never found, and there is one file for a frame: after
+a change of the animation or the settings it is replaced. The file contains a digest of its bytes, the digest of the
+frame's inputs, its chain (see frame_cache.py), then the solver's state in the format of a checkpoint. It is read only
+for the same inputs, and only if the files of the frames before it agree with its chain.
+
+Every process writes the same bytes for the same frame, and moves the file into place by a rename. So two Blenders may
+use one folder, and one may remove files that the other has written.
 """
 from __future__ import annotations
 
@@ -16,10 +19,10 @@ import math
 import os
 import time
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Hashable
 
 from ...native import c
-from ..frame.frame_cache import CachedFrame
+from ..frame.frame_cache import CachedFrame, History
 from . import clip_folder
 from .checkpoint import CannotGoOn, Checkpoint
 
@@ -27,9 +30,10 @@ if TYPE_CHECKING:
     from ..frame.engine import Wrinkles
 
 SUFFIX = ".frame"
-FORMAT = 15  # raise it when frames get other bits. In format 7, for example, sweeps had another order
+FORMAT = 16  # raise it when frames get other bits. In format 7, for example, sweeps had another order
 _HEAD = b"rumple frame\n"
 _DIGEST = 16  # bytes
+_BEGIN = len(_HEAD) + 3 * _DIGEST  # bytes in front of the checkpoint: its own digest, that of the inputs, the chain
 _MOST_REFUSED = 5  # failed renames in a row: a virus scanner keeps a new file open for a moment
 
 
@@ -48,37 +52,60 @@ class KeptFrames:
         self.note = ""
         self._is_stopped = False  # writing is not possible
         self._refused = 0  # failed renames since the last successful one
-        self._done: set[str] = set()  # names of files that were written, were found, or are too large
+        self._known: dict[str, History] = {}  # by name: of files that were written, were found, or are too large
         self._damaged: set[str] = set()
 
     # --- reading
     def read(self, frame: float, input_digest: bytes) -> CachedFrame | None:
         """The stored frame with these inputs, or None. Its digest is checked. Cost: reading one file."""
-        name = self._name(frame, input_digest)
+        name = self._name(self.evaluator.frame_cache.timeline, frame)
         if name in self._damaged:
             return None
         try:
-            data = (self.folder / name).read_bytes()
+            with open(self.folder / name, "rb") as file:
+                begin = file.read(_BEGIN)
+                stored = self._take(name, begin)
+                if stored is not None and stored.input_digest != input_digest:
+                    return None
+                content = file.read()
         except (OSError, ValueError):
             return None  # the usual case: it is not there
         try:
-            cached = self._restored(data, input_digest)
+            return self._restored(begin, content, input_digest)
         except CannotGoOn:
+            self._known.pop(name, None)
             self._damaged.add(name)
             self.note = (f"{self.evaluator.name}: a stored frame on disk is damaged, or of something else: it is "
                          "solved anew")
             return None
-        self._done.add(name)
-        return cached
 
-    def _restored(self, data: bytes, input_digest: bytes) -> CachedFrame:
-        head, digest, content = (data[:len(_HEAD)], data[len(_HEAD):len(_HEAD) + _DIGEST], data[len(_HEAD) + _DIGEST:])
-        if head != _HEAD or digest != _digest(content):
+    def _restored(self, begin: bytes, content: bytes, input_digest: bytes) -> CachedFrame:
+        if begin[:-2 * _DIGEST] != _HEAD + _digest(begin[-2 * _DIGEST:], content):
             raise CannotGoOn("its digest is another one")
         kept = Checkpoint.read(io.BytesIO(content), self._identity())
         if kept is None or kept.input_digest != input_digest:
             raise CannotGoOn("it is of something else")
         return kept.restored(self.evaluator)
+
+    def history(self, frame: float) -> History | None:
+        """The history of the stored frame, or None. Cost: reading the first bytes of a file, once."""
+        return self._history(self._name(self.evaluator.frame_cache.timeline, frame))
+
+    def _history(self, name: str) -> History | None:
+        if name not in self._known and name not in self._damaged:
+            try:
+                with open(self.folder / name, "rb") as file:
+                    self._take(name, file.read(_BEGIN))
+            except (OSError, ValueError):
+                pass
+        return self._known.get(name)
+
+    def _take(self, name: str, begin: bytes) -> History | None:
+        """The history in the first bytes of a file; None if they are damaged."""
+        if len(begin) != _BEGIN or not begin.startswith(_HEAD):
+            return None
+        self._known[name] = History(begin[-2 * _DIGEST:-_DIGEST], begin[-_DIGEST:])
+        return self._known[name]
 
     # --- writing
     def write(self, seconds: float = math.inf) -> bool:
@@ -88,14 +115,15 @@ class KeptFrames:
             return False
         ends, wrote, more = time.perf_counter() + seconds, False, False
         try:
-            for frame, cached in self.evaluator.frame_cache.final_frames():
-                name = self._name(frame, cached.input_digest)
-                if name in self._done:
+            for timeline, frame, cached in self.evaluator.frame_cache.final_frames():
+                name = self._name(timeline, frame)
+                if self._history(name) == cached.history:
                     continue
                 if wrote and time.perf_counter() > ends:
                     more = True
                     break
                 wrote = self._write(name, frame, cached, math.isinf(seconds)) or wrote
+                self._drop_older(self._name(timeline, math.ceil(frame) - 1.0), cached.history)
             if wrote:
                 self._sweep()
         except _NotNow:
@@ -108,24 +136,32 @@ class KeptFrames:
 
     def _write(self, name: str, frame: float, cached: CachedFrame, may_wait: bool) -> bool:
         """Returns whether it was written now."""
-        self._done.add(name)
         path = self.folder / name
-        if name not in self._damaged and path.exists():
-            return False
         content = Checkpoint.of(int(frame), cached).to_bytes(self._identity())
         if len(content) > self.limit_bytes:
+            self._known[name] = cached.history
             return False
         if not self.folder.is_dir():
             self.folder.mkdir(parents=True, exist_ok=True)
         own = clip_folder.temporary(path)
         try:
-            own.write_bytes(_HEAD + _digest(content) + content)
+            history = b"".join(cached.history)
+            own.write_bytes(_HEAD + _digest(history, content) + history + content)
             self._put(own, path, may_wait)
         except OSError:
             clip_folder.discard(own)
             raise
+        self._known[name] = cached.history
         self._damaged.discard(name)
         return True
+
+    def _drop_older(self, before: str, written: History) -> None:
+        """Remove the file of the frame before the written one, if that did not go on from it: then it is from before a
+        change. So wherever two files do not agree, the earlier frame is the newer file."""
+        known = self._history(before)
+        if known is not None and not written.begins and not written.goes_on_from(known):
+            clip_folder.discard(self.folder / before)
+            del self._known[before]
 
     def _put(self, own: Path, path: Path, may_wait: bool) -> None:
         """Move a file into place. Raises _NotNow if the next write() should try again, because a window must not
@@ -139,7 +175,6 @@ class KeptFrames:
             self._refused += 1
             if self._refused >= _MOST_REFUSED:
                 raise
-            self._done.discard(path.name)
             raise _NotNow from error
         self._refused = 0
 
@@ -163,7 +198,7 @@ class KeptFrames:
         """Remove the files of all models of this object."""
         for path in self.folder.glob("*" + SUFFIX):
             clip_folder.discard(path)
-        self._done.clear()
+        self._known.clear()
         self._damaged.clear()
         self.note, self._is_stopped, self._refused = "", False, 0
 
@@ -174,8 +209,8 @@ class KeptFrames:
         """The identity with the digest of the current paint."""
         return f"{self.identity} {self.evaluator.paint_digest.hex()}"
 
-    def _name(self, frame: float, input_digest: bytes) -> str:
-        return _digest(f"{self._identity()} {frame!r}".encode(), input_digest).hex() + SUFFIX
+    def _name(self, timeline: Hashable, frame: float) -> str:
+        return _digest(f"{self._identity()} {timeline!r} {frame!r}".encode()).hex() + SUFFIX
 
 
 def _digest(*parts: bytes) -> bytes:

@@ -10,7 +10,7 @@ from __future__ import annotations
 import hashlib
 import math
 from dataclasses import dataclass, field
-from typing import Any, Callable, Hashable, Iterable, Protocol
+from typing import Any, Callable, Hashable, Iterable, NamedTuple, Protocol
 
 from ..mesh.frame_result import FrameResult
 
@@ -36,6 +36,7 @@ class CachedFrame:
     _solve: Callable[[Any], tuple[Any, Any]] | None = None
     chain: bytes = b""  # of a final frame: digest of the inputs of this and all frames before it
     run: int = 0  # number of frames that it was reached over, see put()
+    from_disk: bool = False
     # key: whether the result is of the mesh of viewports
     pictures: dict[bool, FrameResult] = field(default_factory=dict)
     was_replayed: bool = False
@@ -58,6 +59,10 @@ class CachedFrame:
                 or frame.seconds_until_solved > MOST_WAITING_SECONDS):
             row[-1]._solve_now()
         return frame
+
+    @property
+    def history(self) -> "History":
+        return History(self.input_digest, self.chain)
 
     @property
     def waits(self) -> bool:
@@ -97,16 +102,34 @@ class CachedFrame:
         self._solve = self._before = None
 
 
-def chain_of(input_digest: bytes, before: CachedFrame | None) -> bytes:
+class History(NamedTuple):
+    """What a final frame was solved from: its own inputs, and those of all frames before it."""
+
+    input_digest: bytes
+    chain: bytes
+
+    @property
+    def begins(self) -> bool:
+        """Whether it needs no frame before it."""
+        return self.chain == chain_of(self.input_digest, None)
+
+    def goes_on_from(self, before: "History") -> bool:
+        return self.chain == chain_of(self.input_digest, before)
+
+
+def chain_of(input_digest: bytes, before: CachedFrame | History | None) -> bytes:
     """The chain of a frame after another one, or of a frame without one before it."""
     return hashlib.blake2b(input_digest + (b"" if before is None else before.chain), digest_size=16).digest()
 
 
 class OnDisk(Protocol):
-    """Frames that are stored on disk: kept_frames.py."""
+    """Frames of the current timeline that are stored on disk: kept_frames.py."""
 
     def read(self, frame: float, input_digest: bytes) -> CachedFrame | None:
         """The stored final frame with these inputs, or None."""
+
+    def history(self, frame: float) -> History | None:
+        """The history of the stored final frame, whatever its inputs are, or None."""
 
 
 class FrameCache:
@@ -120,7 +143,7 @@ class FrameCache:
     def __init__(self, limit_bytes: int = 512 * 2**20) -> None:
         self.limit_bytes = limit_bytes
         self._entries: dict[float, CachedFrame] = {}
-        self._timeline: Hashable = None
+        self.timeline: Hashable = None
         self._timelines: dict[Hashable, dict[float, CachedFrame]] = {None: self._entries}  # the most recent one is last
         self._bytes = self._picture_bytes = 0
         self._refused: set[tuple[Hashable, float]] = set()  # timeline, frame
@@ -128,11 +151,11 @@ class FrameCache:
 
     def follow(self, timeline: Hashable) -> None:
         """Use the entries of a timeline. Frames with the same number differ between timelines."""
-        if timeline == self._timeline:
+        if timeline == self.timeline:
             return
         self._entries = self._timelines.pop(timeline, {})
         self._timelines[timeline] = self._entries
-        self._timeline = timeline
+        self.timeline = timeline
         for other in list(self._timelines)[:-MOST_TIMELINES]:
             self._drop(other)
 
@@ -156,14 +179,17 @@ class FrameCache:
     def before(self, frame: float) -> CachedFrame | None:
         """The whole frame from which a frame is solved: the frame before it, or the one that a subframe follows.
         Refused frames are skipped, so that solving continues from the last good frame."""
+        return self._entries.get(self._number_before(frame))
+
+    def _number_before(self, frame: float) -> float:
         before = math.ceil(frame) - 1.0
-        while (self._timeline, before) in self._refused:
+        while (self.timeline, before) in self._refused:
             before -= 1.0
-        return self._entries.get(before)
+        return before
 
     def refuse(self, frame: float) -> None:
         """Mark a frame as impossible to solve, for example because a simulation explodes. put() removes the mark."""
-        self._refused.add((self._timeline, frame))
+        self._refused.add((self.timeline, frame))
 
     def find(self, frame: float, input_digest: bytes, final: bool, before: CachedFrame | None) -> CachedFrame | None:
         """The entry that may be replayed, from memory or disk. It must have the same inputs. If the frame would be
@@ -180,23 +206,40 @@ class FrameCache:
         if fits(cached) or self.on_disk is None:
             return cached if fits(cached) else None
         kept = self.on_disk.read(frame, input_digest)
-        if kept is None or not fits(kept):
+        if kept is None or not fits(kept) or self._is_outdated(frame, kept.history, self.on_disk):
             return None
+        kept.from_disk = True
         self.put(frame, kept)
         return kept
 
-    def final_frames(self) -> list[tuple[float, CachedFrame]]:
-        """The solved final frames of all timelines."""
-        return [(frame, cached) for frame, cached in self._all() if cached.final and not cached.waits]
+    def _is_outdated(self, frame: float, stored: History, on_disk: OnDisk) -> bool:
+        """Whether a frame before a stored one is known, in memory or on disk, and is not what the stored one went on
+        from: then it was solved later, after a change. Where none is known any more, because files were removed for
+        example, nothing speaks against the stored one."""
+        while not stored.begins:
+            frame = self._number_before(frame)
+            cached = self._entries.get(frame)
+            if cached is not None and cached.final:
+                return not stored.goes_on_from(cached.history)
+            before = on_disk.history(frame)
+            if before is None or not stored.goes_on_from(before):
+                return before is not None
+            stored = before
+        return False
 
-    def _all(self) -> list[tuple[float, CachedFrame]]:
+    def final_frames(self) -> list[tuple[Hashable, float, CachedFrame]]:
+        """The solved final frames of all timelines: timeline, frame, entry."""
+        return [item for item in self._all() if item[2].final and not item[2].waits]
+
+    def _all(self) -> list[tuple[Hashable, float, CachedFrame]]:
         """The frames of all timelines."""
-        return [item for entries in list(self._timelines.values()) for item in list(entries.items())]
+        return [(timeline, *item) for timeline, entries in list(self._timelines.items())
+                for item in list(entries.items())]
 
     def put(self, frame: float, cached: CachedFrame) -> None:
         """Store a frame. If it replaces a different solution, the frames solved from it are no longer final. (No frame
         is solved from a subframe.)"""
-        self._refused.discard((self._timeline, frame))
+        self._refused.discard((self.timeline, frame))
         old = self._entries.get(frame)
         if old is not None:
             self._forget([old])
@@ -204,11 +247,18 @@ class FrameCache:
                 for later, other in self._entries.items():
                     if later > frame:
                         other.final = False
+        if cached.final and not cached.from_disk and frame == math.floor(frame):
+            self._drop_read_after(frame)
         before = self.before(frame)
         cached.run = 0 if before is None else before.run + 1
         self._entries[frame] = cached
         self._bytes += cached.nbytes
         self._evict(frame)
+
+    def _drop_read_after(self, frame: float) -> None:
+        """Drop later frames that were read from disk. When they are read again, they are compared with this one."""
+        for later in [later for later, other in self._entries.items() if other.from_disk and later > frame]:
+            self._forget([self._entries.pop(later)])
 
     def picture(self, cached: CachedFrame, in_viewport: bool, make: Callable[[], Any]) -> FrameResult:
         """The result of a replayed entry. It is kept from its second replay on, if memory allows. Not from the first,
@@ -225,7 +275,7 @@ class FrameCache:
     def clear(self) -> None:
         """Remove all frames of all timelines."""
         self._entries = {}
-        self._timelines = {self._timeline: self._entries}
+        self._timelines = {self.timeline: self._entries}
         self._bytes = self._picture_bytes = 0
         self._refused.clear()
 
@@ -254,7 +304,7 @@ class FrameCache:
         """Drop entries above the limit. The whole frames around the newest one and the one before are kept, because the
         next frame, or a subframe for motion blur, is solved from one of them."""
         if self._bytes + self._picture_bytes > self.limit_bytes:
-            for _, cached in self._all():
+            for *_, cached in self._all():
                 cached.pictures = {}
             self._picture_bytes = 0
         for other in list(self._timelines)[:-1]:
