@@ -7,6 +7,8 @@ import hashlib
 import os
 import tempfile
 import unittest
+from typing import Any
+from unittest import mock
 
 import bpy
 from rumple.blender.frame import clip_status
@@ -111,6 +113,37 @@ class Baked(Worn):
             self.check_right(self.obj)
         settings.folds = 0.5
         self.assertIn(CHANGED, self.said(self.obj))
+
+    def test_another_frame_rate(self) -> None:
+        """Of what moves with time: the folds were those of the former rate, and nothing was said."""
+        scene, obj, mesh = bpy.context.scene, self.obj, self.obj.rumple.mesh
+        cases: tuple[tuple[str, bool, dict[str, Any]], ...] = (
+            ("it hangs", False, dict(base_cloth="HANG")), ("it swings", True, dict(base_cloth="SWING")),
+            ("each frame on its own", False, dict(stateless=True)),
+            ("its rest shape adapts", True, dict(stateless=False, base_cloth="OFF", rest_shape="ADAPTIVE")),
+            ("paths", True, {}))
+        for name, is_timed, values in cases:
+            with self.subTest(name):
+                for key, value in values.items():
+                    setattr(mesh, key, value)
+                obj.rumple.method = "PATHS" if name == "paths" else "MESH"
+                scene.render.fps = 24
+                inputs = clip_status.inputs_fingerprint(obj, scene)
+                with mock.patch.object(clip_status, "_frame_rate", lambda *_: b""):
+                    older = clip_status.inputs_fingerprint(obj, scene)
+                self.assertEqual(older != inputs, is_timed)
+                for rate in (24, 60):
+                    scene.render.fps = rate
+                    self.assertEqual(clip_status.is_baked_from(inputs, obj, scene), rate == 24 or not is_timed)
+                    self.assertTrue(clip_status.is_baked_from(older, obj, scene))
+
+    def test_another_frame_rate_is_said(self) -> None:
+        self.obj.rumple.mesh.base_cloth = "SWING"
+        self.bake()
+        bpy.context.scene.render.fps = 60
+        self.assertIn(CHANGED, self.said(self.obj))
+        bpy.context.scene.render.fps = 24
+        self.check_right(self.obj)
 
     def test_start_is_moved_into_a_clip(self) -> None:
         self.bake(4, 8)

@@ -53,9 +53,10 @@ def is_simulated_in_front(obj: bpy.types.Object) -> bool:
 
 
 def inputs_fingerprint(obj: bpy.types.Object, scene: bpy.types.Scene) -> str:
-    """Hash of all inputs of a clip except the animation (meshes, settings, paint, bodies), and its first frame. scene:
-    the scene in which it is played."""
-    return f"{_fingerprint(obj, scene, _content_of_bodies(obj), None)}@{units.first_frame(obj, scene)}"
+    """Hash of all inputs of a clip except the animation (meshes, settings, frame rate, paint, bodies), and its first
+    frame. scene: the scene in which it is played."""
+    rate = _frame_rate(obj, scene)
+    return f"{_fingerprint(obj, scene, _content_of_bodies(obj) + rate, None)}@{units.first_frame(obj, scene)}"
 
 
 def is_baked_from(inputs: str, obj: bpy.types.Object, scene: bpy.types.Scene) -> bool:
@@ -66,11 +67,20 @@ def is_baked_from(inputs: str, obj: bpy.types.Object, scene: bpy.types.Scene) ->
     if not begun:  # from an older Rumple, with the names of the bodies
         names = "".join(body.name_full for body in bodies.of(obj))
         return fingerprint == _fingerprint(obj, scene, names.encode(), first)
-    return (begun.lstrip("-").isdecimal() and int(begun) <= first
-            and fingerprint == _fingerprint(obj, scene, _content_of_bodies(obj), None))
+    if not begun.lstrip("-").isdecimal() or int(begun) > first:
+        return False
+    now = _content_of_bodies(obj)  # alone: from an older Rumple, without the frame rate
+    return any(fingerprint == _fingerprint(obj, scene, each, None) for each in (now + _frame_rate(obj, scene), now))
 
 
-def _fingerprint(obj: bpy.types.Object, scene: bpy.types.Scene, worn_over: bytes, first: int | None) -> str:
+def _frame_rate(obj: bpy.types.Object, scene: bpy.types.Scene) -> bytes:
+    """The frame rate, if the frames depend on it."""
+    reads_time = properties.still_settings(obj, units.scene_of(obj)).reads_time
+    return repr(units.frame_rate(scene)).encode() if reads_time else b""
+
+
+def _fingerprint(obj: bpy.types.Object, scene: bpy.types.Scene, given: bytes, first: int | None) -> str:
+    """given: what else it was baked from."""
     digest = hashlib.sha1(evaluator.sources(obj).shape.encode())
     settings = properties.still_settings(obj, units.scene_of(obj))
     digest.update(repr(settings if first is None else (settings, first)).encode())
@@ -78,7 +88,7 @@ def _fingerprint(obj: bpy.types.Object, scene: bpy.types.Scene, worn_over: bytes
         digest.update(b"whole" if obj.rumple.bake_whole_clip else b"live")
     for key, weights in sorted(mesh_reader.paint(obj, settings).items()):
         digest.update(key.encode() + weights.tobytes())
-    digest.update(worn_over)
+    digest.update(given)
     return digest.hexdigest()
 
 
@@ -207,7 +217,7 @@ def check(obj: bpy.types.Object, output_object: bpy.types.Object) -> str:
     if clip_place.is_temporary(clip) and bpy.data.filepath:
         return f"{obj.name}: the clip was baked before the file was saved, and goes when Blender quits: bake again"
     if not any(is_baked_from(about.inputs, obj, scene) for scene in obj.users_scene or (units.scene_of(obj),)):
-        return f"{obj.name}: meshes, settings, paint or bodies changed since the bake: bake again to see it"
+        return f"{obj.name}: meshes, settings, frame rate, paint or bodies changed since the bake: bake again to see it"
     return ""
 
 

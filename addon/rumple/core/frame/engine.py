@@ -266,8 +266,7 @@ class Wrinkles(SystemSteps):
     # --- what changes
     def _take_inputs(self, request: FrameRequest) -> bytes:
         """A digest of the settings. If the artist changed them or the paint, stored frames are removed."""
-        timed = request.settings.swings or self._reads_time(request.settings)
-        timeline = (request.start, request.frame_rate if timed else 0.0)
+        timeline = (request.start, request.frame_rate if request.settings.reads_time else 0.0)
         settings_digest = digest_of_settings(request.settings, *timeline)
         repainted = self._take_painted(request.paint)
         self._forget_changed(timeline, request.frame, settings_digest, repainted)

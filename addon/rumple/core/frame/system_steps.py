@@ -77,10 +77,6 @@ class SystemSteps(ShownMesh):
         """Whether the solve depends on the object's place in the world."""
         return False
 
-    def _reads_time(self, settings: Any) -> bool:
-        """Whether the solve depends on the frame rate."""
-        return False
-
     def _native_settings(self, settings: Any) -> Any:
         """The native settings."""
         raise NotImplementedError

@@ -71,6 +71,11 @@ class AdaptiveRest:
         return self.rest_shape == "ADAPTIVE" and not self.stateless
 
     @property
+    def reads_time(self: Any) -> bool:
+        """Whether the frames depend on the frame rate."""
+        return self.adapts or self.swings
+
+    @property
     def sees_ahead(self: Any) -> bool:
         """Whether a bake may analyse the whole clip first. It cannot with a base cloth, because the positions of the
         cloth are not known before it is solved."""
@@ -332,6 +337,10 @@ class PathsSettings(AdaptiveRest, Draped, ClothSettings, Parts):
     @property
     def adapts(self: Any) -> bool:
         return self.reference != "STATIC_REST" and not self.stateless
+
+    @property
+    def reads_time(self) -> bool:
+        return True  # folds move
 
     def structural(self) -> dict[str, Any]:
         """The settings that the shown mesh is made from."""

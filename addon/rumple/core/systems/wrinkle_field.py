@@ -119,9 +119,6 @@ class WrinkleField(Wrinkles):
         whole = kernels.estimate_waves_wrinkle_field(self.model, options, self._paint, positions, state).fullness
         return np.divide(straight, whole, out=np.ones_like(whole), where=whole > 0.0)
 
-    def _reads_time(self, settings: FieldSettings) -> bool:
-        return settings.adapts
-
     def _take_paint(self, paint: dict[str, np.ndarray]) -> Any:
         # the preview's shaders do not support directions
         self._drawn, self.previewed = paint.get(PROFILE), ALONG not in paint

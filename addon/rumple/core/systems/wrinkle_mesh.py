@@ -277,9 +277,6 @@ class WrinkleMesh(Wrinkles):
     def _reads_world(self, settings: MeshSettings) -> bool:
         return settings.offset_space == "WORLD"
 
-    def _reads_time(self, settings: MeshSettings) -> bool:
-        return settings.adapts
-
     def _native_settings(self, settings: MeshSettings) -> Any:
         return native_settings(settings)
 

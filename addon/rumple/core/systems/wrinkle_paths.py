@@ -104,9 +104,6 @@ class WrinklePaths(Wrinkles):
         apart = max(settings.spacing, 1.0) * settings.width
         return area / apart * max(4.0 / edge, 2.0 / settings.width)
 
-    def _reads_time(self, settings: PathsSettings) -> bool:
-        return True
-
     def _take_paint(self, paint: dict[str, np.ndarray]) -> Any:
         factors = {name: values for name, values in paint.items() if name != WIDTH}
         if WIDTH in paint:
