@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import unittest
+from unittest import mock
 
 import bpy
 import numpy as np
 from rumple.blender import compat
-from rumple.blender.objects import bodies
+from rumple.blender.objects import bodies, bodies_at_rest
 from support import sleeve
-from support.worn_sleeve import Worn, placed, solved_body
+from support.worn_sleeve import Worn, outward, placed, solved_body
 
 NOT_TURNED, AS_LARGE = (0.0, 0.0, 0.0), (1.0, 1.0, 1.0)
 
@@ -33,6 +34,19 @@ class AtRest(Worn):
         covered = (rest[:, 0] > 0.1) & (rest[:, 0] < compat.positions(self.obj.data)[:, 0].max() - 0.1)
         self.assertTrue(bare.any() and covered.any())
         self.assertFalse(bare[covered].any())
+
+    def test_it_is_looked_for_once_also_where_one_is_mirrored(self) -> None:
+        """The reversed triangles were a new array in each frame, so what is kept for the array was never found."""
+        self.obj.rumple.body = self.body
+        for garment, body in ((1.0, 1.0), (-1.0, 1.0), (1.0, -1.0), (-1.0, -1.0)):
+            with self.subTest(garment=garment, body=body):
+                self.obj.scale.y, self.body.scale.y = garment, body
+                bodies.forget_all()
+                with mock.patch.object(bodies_at_rest, "of", wraps=bodies_at_rest.of) as looked:
+                    for frame in (3, 4, 9):
+                        sleeve.at(frame)
+                        self.assertGreater(outward(solved_body(self.obj)), 0.0)
+                    looked.assert_called_once()
 
     def test_it_is_not_known_of_what_the_garment_was_not_modelled_on(self) -> None:
         placed(self.body, (9.0, 0.0, 0.0), NOT_TURNED, AS_LARGE)

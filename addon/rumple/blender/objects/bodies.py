@@ -22,9 +22,8 @@ from . import (bodies_at_rest, incoming_mesh, made_collections, mesh_reader, mes
                posed_coarse, runtimes, units)
 
 Wrinkled = tuple[bpy.types.Object, bpy.types.NodesModifier]
-
-
 SURFACES = ("MESH", "CURVE", "SURFACE", "FONT", "META")  # object types that Blender shows with faces
+_SOME = 1_000  # triangles, see _Triangulated
 
 
 # ---------------------------------------------------------------- which
@@ -233,10 +232,8 @@ def _surface(obj: bpy.types.Object, evaluated: bpy.types.Object, body: bpy.types
     into = evaluated.matrix_world.inverted_safe() @ worn.matrix_world
     triangles = surface.triangles
     if into.determinant() < 0.0:  # mirrored: reverse the triangles to keep them counter-clockwise
-        triangles = triangles[:, ::-1]
-    matrix = np.array(into, np.float32)
-    return Body(np.ascontiguousarray(transforms.placed(matrix, surface.positions)),
-                np.ascontiguousarray(triangles))  # the same array if the triangles were not reversed
+        triangles = _reversed((compat.session_key(body), depsgraph.mode), triangles)
+    return Body(np.ascontiguousarray(transforms.placed(np.array(into, np.float32), surface.positions)), triangles)
 
 
 def _folded(body: bpy.types.Object, frame: float) -> Body | None:
@@ -296,9 +293,6 @@ class _Connections(NamedTuple):
         return self.counts == other.counts and np.array_equal(self.corners, other.corners)
 
 
-_SOME = 1_000
-
-
 class _Triangulated(NamedTuple):
     """The triangles of a body."""
 
@@ -336,12 +330,14 @@ class _Joined(NamedTuple):
 
 
 _triangulated: dict[ByDepsgraph, _Triangulated] = {}  # by body
+_turned: dict[ByDepsgraph, tuple[weakref.ref[np.ndarray], np.ndarray]] = {}  # by body: triangles, and reversed
 _joined: dict[ByDepsgraph, _Joined] = {}  # by garment
+_TABLES: tuple[dict[ByDepsgraph, Any], ...] = (_triangulated, _turned, _joined)
 
 
 def forget_all() -> None:
-    _triangulated.clear()
-    _joined.clear()
+    for table in _TABLES:
+        table.clear()
     _found_in.clear()
     made_collections.forget_members()
 
@@ -349,10 +345,17 @@ def forget_all() -> None:
 def forget_removed() -> None:
     """Forget what is stored about objects that are gone."""
     there = {compat.session_key(obj) for obj in bpy.data.objects}
-    tables: tuple[dict[ByDepsgraph, Any], ...] = (_triangulated, _joined)
-    for table in tables:
+    for table in _TABLES:
         for key in [key for key in table if key[0] not in there]:
             del table[key]
+
+
+def _reversed(body: ByDepsgraph, triangles: np.ndarray) -> np.ndarray:
+    """The reversed triangles of a body: the same array as long as the given one is the same."""
+    kept = _turned.get(body)
+    if kept is None or kept[0]() is not triangles:
+        kept = _turned[body] = weakref.ref(triangles), np.ascontiguousarray(triangles[:, ::-1])
+    return kept[1]
 
 
 def _joined_triangles(key: ByDepsgraph, surfaces: list[Body], rest_of: Any,
