@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import tempfile
 import unittest
+from dataclasses import fields, replace
 from unittest import mock
 from typing import Any
 
@@ -32,6 +33,15 @@ class Frames(unittest.TestCase):
         for frame in (7, 20, 13, 4):
             sleeve.at(frame)
             np.testing.assert_array_equal(sleeve.shown(obj), pictures[frame])
+
+    def test_every_input_counts_but_the_start(self) -> None:
+        obj = sleeve.scene()
+        sleeve.at(5)
+        inputs = runtimes.of(obj).inputs
+        self.assertTrue(inputs.same_as(replace(inputs, positions=inputs.positions.copy(), paint=dict(inputs.paint))))
+        for one in fields(inputs):
+            other = replace(inputs, **{one.name: {"room": np.ones(3)} if one.name == "paint" else "another"})
+            self.assertEqual(inputs.same_as(other), one.name == "start", one.name)
 
     def test_the_folds_show(self) -> None:
         obj = sleeve.scene()

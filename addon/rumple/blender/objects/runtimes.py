@@ -2,13 +2,14 @@
 """The state of every wrinkled object from frame to frame, which is not stored in the file."""
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from typing import Any
 
 import numpy as np
 
 from ...core.frame import engine
 from ...core.frame.frame_input import FrameRequest
+from ...core.mesh.body import Body
 from .. import scheduler
 from .building import Building
 from .runtime_table import RuntimeBase, RuntimeTable
@@ -29,15 +30,16 @@ class Inputs(FrameRequest):
 
     def same_as(self, other: "Inputs | None") -> bool:
         """Whether all but the start is equal."""
-        return (other is not None and self.frame == other.frame and self.settings == other.settings
-                and (self.frame_rate, self.for_preview, self.in_viewport, self.shows_coarse) == (
-                    other.frame_rate, other.for_preview, other.in_viewport, other.shows_coarse)
-                and self.surroundings == other.surroundings
-                and (other.body is None if self.body is None else self.body.same_as(other.body))
-                and self.paint.keys() == other.paint.keys()
-                and all(np.array_equal(self.paint[key], other.paint[key]) for key in self.paint)
-                and np.array_equal(self.positions, other.positions)
-                and np.array_equal(self.world_from_object, other.world_from_object))
+        return other is not None and all(_same(getattr(self, one.name), getattr(other, one.name))
+                                         for one in fields(self) if one.name != "start")
+
+
+def _same(one: Any, other: Any) -> bool:
+    if isinstance(one, Body):
+        return one.same_as(other)
+    if isinstance(one, dict):
+        return one.keys() == other.keys() and all(_same(one[key], other[key]) for key in one)
+    return np.array_equal(one, other) if np.ndarray in (type(one), type(other)) else bool(one == other)
 
 
 @dataclass

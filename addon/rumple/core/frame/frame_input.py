@@ -1,5 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""FrameRequest, the arguments of a frame, and FrameInput, the part that it is solved from. Never imports bpy."""
+"""FrameRequest, the arguments of a frame, and FrameInput, the part that it is solved from. Never imports bpy.
+
+What a frame depends on is said in these places, and a new input may belong into each of them:
+- FrameRequest, and Inputs with what Blender shows (blender/objects/runtimes.py): without a change nothing is solved;
+- FrameInput.digest(), of a frame in the frame cache, with the digests of settings and paint (base/digests.py);
+- Wrinkles._take_inputs() (engine.py): first frame and frame rate, whose frames are kept apart;
+- KeptFrames.identity (files/kept_frames.py), of frames on disk: version and model;
+- inputs_fingerprint() (blender/frame/clip_status.py), of a baked clip, and evaluator.sources(), of a model.
+"""
 from __future__ import annotations
 
 from dataclasses import dataclass

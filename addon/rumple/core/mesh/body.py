@@ -27,9 +27,8 @@ class Body:
         return self.positions, np.frombuffer(self.digest or digest_of_triangles(self.triangles, self.rest), np.uint8)
 
     def same_as(self, other: "Body | None") -> bool:
-        """Whether both are the same surfaces at the same positions, bit for bit."""
-        return (other is not None and np.array_equal(self.positions, other.positions)
-                and same_triangles(self.triangles, other.triangles))
+        """Whether both are the same surfaces at the same positions, in the frame and at rest, bit for bit."""
+        return other is not None and np.array_equal(self.positions, other.positions) and same_at_rest(self, other)
 
 
 class OwnSkin:
