@@ -15,7 +15,7 @@ from unittest import mock
 import bpy
 import numpy as np
 from rumple.blender.maps import bake, bake_apart, bake_source, export as maps_export
-from rumple.blender.objects import modifier
+from rumple.blender.objects import made_collections, modifier
 from rumple.core.base.wording import UserError
 from rumple.core.systems import poses_json
 from support import face, maps_renders, sleeve
@@ -28,10 +28,12 @@ def texels(image: bpy.types.Image) -> np.ndarray:
     return flat.reshape(image.size[1], image.size[0], 4)[:, :, :3]
 
 
-def everything() -> dict[str, list[str]]:
-    """Names of all data-blocks that a bake might leave behind."""
-    return {kind: sorted(block.name for block in getattr(bpy.data, kind))
-            for kind in ("objects", "meshes", "materials", "scenes", "node_groups")}
+def everything() -> set[tuple[str, str]]:
+    """(kind, name) of all data-blocks but the images, which a bake makes."""
+    lists = (getattr(bpy.data, name) for name in dir(bpy.data))
+    return {(block.bl_rna.identifier, block.name_full)
+            for blocks in lists if isinstance(blocks, bpy.types.bpy_prop_collection)
+            for block in blocks if not isinstance(block, bpy.types.Image)}
 
 
 class Bake(unittest.TestCase):
@@ -116,6 +118,19 @@ class Bake(unittest.TestCase):
         self.assertEqual((scene.render.engine, bpy.context.view_layer.objects.active, scene.frame_current),
                          (engine, active, frame))
         self.assertEqual([m.type for m in self.obj.modifiers], ["ARMATURE", "NODES"])
+
+    def test_the_channels_of_the_bones_keep_every_bit(self) -> None:
+        """Set by a matrix, two turns became none, and scales were not quite 1."""
+        for number, bone in enumerate(self.rig.pose.bones):
+            bone.rotation_mode = ("QUATERNION", "XYZ", "AXIS_ANGLE")[number % 3]
+            bone.rotation_euler, bone.rotation_axis_angle = (13.0, 0.1, -7.0), (9.0, 0.6, 0.0, 0.8)
+            bone.rotation_quaternion = (-2.0, 0.1, 0.0, 0.3)
+
+        def channels() -> list[tuple[float, ...]]:
+            return [tuple(getattr(bone, name)) for bone in self.rig.pose.bones for name in bake.BONE_CHANNELS]
+        before = channels()
+        bpy.ops.rumple.maps_bake()
+        self.assertEqual(channels(), before)
 
     def test_without_compression_the_map_is_flat(self) -> None:
         face.pose(self.rig, brow_L=1e-4, brow_R=1e-4, jaw=1e-4)
@@ -219,6 +234,46 @@ class Bake(unittest.TestCase):
         with self.assertRaisesRegex(RuntimeError, "Face: it has no UV map"):
             bpy.ops.rumple.maps_bake()
         self.assertIsNone(self.settings.poses[0].image)
+
+
+class Worn(unittest.TestCase):
+    """A garment: its copy is worn over a body and over another garment, too."""
+
+    def check_nothing_else_changes(self, outer: bpy.types.Object) -> None:
+        outer.rumple_maps.bake_size = 32
+        scene = bpy.context.scene
+        scene.render.use_lock_interface = False
+        before = everything()
+        self.assertEqual(bpy.ops.rumple.maps_bake(), {"FINISHED"})
+        self.assertEqual(everything(), before)
+        self.assertFalse(scene.render.use_lock_interface)
+        self.assertEqual(bpy.data.objects["Inner"].rumple.message, "")
+
+    def outer(self) -> bpy.types.Object:
+        """The sleeve over Human and over a wrinkled sleeve, with a pose."""
+        obj = sleeve.to_be_cloth()
+        sleeve.another("Inner", 0.9)
+        sleeve.make_active(obj)
+        bpy.ops.rumple.maps_add()
+        bpy.context.scene.frame_set(sleeve.LAST)
+        bpy.ops.rumple.pose_add(name="Bent")
+        return obj
+
+    def test_no_collection_stays_and_the_scene_is_not_changed(self) -> None:
+        """The first click on the copy makes a collection of what it is worn over, and sets the scene's lock."""
+        made = []
+        make = made_collections.make
+        with mock.patch.object(made_collections, "make", lambda *given: made.append(make(*given)) or made[-1]):
+            self.check_nothing_else_changes(self.outer())
+        self.assertEqual(len(made), 1, "not a case of it")
+
+    def test_a_collection_of_the_garment_itself_stays(self) -> None:
+        obj = self.outer()
+        sleeve.click(obj)
+        worn_over = obj.rumple.body_collection
+        self.check_nothing_else_changes(obj)
+        self.assertEqual(obj.rumple.body_collection, worn_over)
+        self.assertEqual([member.name for member in worn_over.objects], ["Inner"])
 
 
 class Source(unittest.TestCase):

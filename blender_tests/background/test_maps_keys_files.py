@@ -42,9 +42,8 @@ class Bake(unittest.TestCase):
     def test_wrinkles_come_where_the_keys_compress_the_skin_and_nothing_else_changes(self) -> None:
         keyed_face.set_keys(self.obj, jaw=0.5)
         before, values = everything(), [block.value for block in self.keys]
-        keys = len(bpy.data.shape_keys)
         self.assertEqual(bpy.ops.rumple.maps_bake(every=True), {"FINISHED"})
-        self.assertEqual((everything(), len(bpy.data.shape_keys)), (before, keys))
+        self.assertEqual(everything(), before)
         self.assertEqual([block.value for block in self.keys], values)
         self.check_sides()
 

@@ -20,7 +20,7 @@ from ...core.base.wording import UserError
 from .. import compat, scheduler
 from ..frame import rebuild
 from ..nodes import maps_shader
-from ..objects import messages, modifier, properties, runtimes, units
+from ..objects import made_collections, messages, modifier, properties, runtimes, units
 from ..translation import said
 from . import (bake_apart, bake_source, changes as maps_changes, export as maps_export, keys as maps_keys,
                modifier as maps_modifier, operators as maps_operators, rig as maps_rig, stored_poses)
@@ -31,6 +31,7 @@ HIGH_FOLDS = 99.0  # per cent of the points: the others lie in corners of mouth 
 CAGE_OFFSETS = 2.0  # ... and an automatic cage that stands this many heights outside sees no other skin
 
 STEEPEST = 0.2  # cosine of the steepest slope that a wrinkle can have: 78 degrees
+BONE_CHANNELS = ("location", "rotation_quaternion", "rotation_euler", "rotation_axis_angle", "scale")
 
 
 class MapBake:
@@ -47,8 +48,9 @@ class MapBake:
             raise UserError(f"{obj.name}: it has no UV map to bake to: unwrap it in Edit Mode first")
         if "CYCLES" not in _engines():
             raise UserError("Cycles bakes the maps: switch on its add-on in the preferences")
-        self._former = [] if self.armature is None else [(bone.name, bone.matrix_basis.copy())
-                                                         for bone in self.armature.pose.bones]
+        self._was_locked = context.scene.render.use_lock_interface
+        self._former = [(bone.name, name, tuple(getattr(bone, name))) for name in BONE_CHANNELS
+                        for bone in (self.armature.pose.bones if self.armature is not None else ())]
 
     @property
     def count(self) -> int:
@@ -86,9 +88,10 @@ class MapBake:
         raise UserError(text)
 
     def close(self) -> None:
-        """Restore the pose of the armature."""
-        for name, basis in self._former:
-            self.armature.pose.bones[name].matrix_basis = basis
+        """Restore the pose of the armature, and the scene's lock, which the first click sets."""
+        self.context.scene.render.use_lock_interface = self._was_locked
+        for bone, name, values in self._former:
+            setattr(self.armature.pose.bones[bone], name, values)
         maps_changes.maps_changed(self.obj)
         self.context.view_layer.update()
 
@@ -246,8 +249,12 @@ def _flatten_strays(image: bpy.types.Image) -> None:
 
 
 def _remove_wrinkles(obj: bpy.types.Object) -> None:
+    """Remove the modifier, and the collection that the first click made, unless another object has it too."""
     if modifier.find(obj) is not None:
         rebuild.remove_all(obj)
+    worn_over, obj.rumple.body_collection = obj.rumple.body_collection, None
+    if worn_over is not None and worn_over.users == 0 and made_collections.is_ours(worn_over):
+        bpy.data.collections.remove(worn_over)
 
 
 def _delete(obj: bpy.types.Object) -> None:
