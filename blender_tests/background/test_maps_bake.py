@@ -202,14 +202,16 @@ class Bake(unittest.TestCase):
                 raise error
             cls, context, event = bake.RUMPLE_OT_maps_bake, mock.Mock(), mock.Mock(type="TIMER")
             running = mock.Mock(done=0, count=3)
-            operator = mock.Mock(_steps=steps(), _running=running, _name="Face")
+            running.plan.name = "Face"
+            operator = mock.Mock(_steps=steps(), _running=running)
             operator._end_modal = functools.partial(cls._end_modal, operator)
-            self.assertEqual(cls.modal(operator, context, event), {"RUNNING_MODAL"})
+            self.assertEqual(cls.modal(operator, context, event), {"PASS_THROUGH"})
             self.assertFalse(running.close.called)
-            self.assertEqual(cls.modal(operator, context, event), {"CANCELLED"})
+            with mock.patch.object(bpy.types.WorkSpace, "status_text_set") as status:
+                self.assertEqual(cls.modal(operator, context, event), {"CANCELLED"})
+            self.assertEqual(status.call_args_list, [mock.call(None)] * len(bpy.data.workspaces))
             running.close.assert_called_once_with()
             context.window_manager.event_timer_remove.assert_called_once_with(operator._timer)
-            context.workspace.status_text_set.assert_called_with(None)
             self.assertTrue(operator.report.call_args.args[1].startswith(words), operator.report.call_args)
 
     def test_whatever_goes_wrong_nothing_stays(self) -> None:

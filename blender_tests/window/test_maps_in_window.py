@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Iterator
+from typing import ClassVar, Iterator
 from unittest import mock
 
 import bpy
@@ -12,6 +12,17 @@ from mathutils import Euler
 from rumple.blender.maps import bake, modifier as maps_modifier
 from support import face, keyed_face, maps_renders, sleeve
 from support.window_case import WindowCase
+
+
+class RUMPLE_OT_test_hears(bpy.types.Operator):
+    """Notes the key that it was run by"""
+
+    bl_idname, bl_label = "rumple.test_hears", "Hears"
+    heard: ClassVar[list[str]] = []
+
+    def invoke(self, _context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
+        self.heard.append(event.type)
+        return {"FINISHED"}
 
 
 def biggest_area() -> bpy.types.Area:
@@ -180,6 +191,74 @@ class MapsInWindow(WindowCase):
         self.assertIs(self.settings.poses[1].image, former[1])
         self.assertEqual(sorted(obj.name for obj in bpy.data.objects), objects)
         self.assertEqual(len(list(maps_modifier.mapped_objects())), 1)
+
+    def begin_bake(self) -> Iterator[float]:
+        """Until the second Blender runs: `yield from`."""
+        self.settings.bake_size = 64
+        with self.area("VIEW_3D"):
+            self.assertEqual(bpy.ops.rumple.maps_bake("INVOKE_DEFAULT", every=True), {"RUNNING_MODAL"})
+        yield from self.until(self.bakes)
+        self.assertEqual(len(self.bakes()), 1)
+
+    @staticmethod
+    def bakes() -> list[Path]:
+        return list(Path(bpy.app.tempdir).glob("rumple_maps_*/log"))
+
+    def test_keys_and_mouse_reach_the_window_while_a_second_blender_bakes(self) -> Iterator[float]:
+        """It swallowed all of them, until the bake was over."""
+        self.make()
+        bpy.utils.register_class(RUMPLE_OT_test_hears)
+        self.addCleanup(bpy.utils.unregister_class, RUMPLE_OT_test_hears)
+        yield from self.begin_bake()
+        heard: list[str] = []
+        with mock.patch.object(RUMPLE_OT_test_hears, "heard", heard):
+            yield from self.press_for("rumple.test_hears", lambda: None)
+        self.assertEqual(heard, ["F19"])
+        window, area = bpy.context.window_manager.windows[0], biggest_area()
+        x, y = area.x + area.width // 2, area.y + area.height // 2
+        distance = area.spaces.active.region_3d.view_distance
+        window.event_simulate("MOUSEMOVE", "NOTHING", x=x, y=y)
+        window.event_simulate("WHEELUPMOUSE", "PRESS", x=x, y=y)
+        yield from self.until(lambda: area.spaces.active.region_3d.view_distance < distance, 5.0)
+        self.assertLess(area.spaces.active.region_3d.view_distance, distance)
+        self.assertEqual(len(self.bakes()), 1, "not while it bakes")
+        window.event_simulate("ESC", "PRESS", x=x, y=y)
+        window.event_simulate("ESC", "RELEASE", x=x, y=y)
+        yield from self.until(lambda: not self.bakes(), 5.0)
+        self.assertEqual(self.bakes(), [])
+        self.assertEqual([pose.image for pose in self.settings.poses], [None, None])
+
+    def test_the_artist_goes_on_and_the_maps_find_their_poses(self) -> Iterator[float]:
+        """With other work, undo, and a click on the button again."""
+        self.make()
+        with self.area("VIEW_3D"):
+            bpy.ops.ed.undo_push(message="two poses")
+        yield from self.begin_bake()
+        with self.area("VIEW_3D"):
+            self.assertEqual(bpy.ops.rumple.maps_bake("INVOKE_DEFAULT"), {"CANCELLED"})
+            bpy.context.scene.frame_end = 7
+            bpy.ops.ed.undo_push(message="a frame range")
+            bpy.ops.ed.undo()
+        yield
+        settings = bpy.data.objects["Face"].rumple_maps
+        settings.bake_size = 32
+        settings.poses.move(0, 1)
+        self.assertEqual((len(self.bakes()), [pose.image for pose in settings.poses]), (1, [None, None]))
+        yield from self.until(lambda: not self.bakes(), 90.0)
+        self.assertEqual([pose.image and (pose.image.name, *pose.image.size) for pose in settings.poses],
+                         [("Face Anger", 64, 64), ("Face Surprise", 64, 64)])
+        yield 0.3
+
+    def test_another_file_ends_the_bake(self) -> Iterator[float]:
+        self.make()
+        yield from self.begin_bake()
+        sleeve.empty_file()
+        yield 0.5
+        self.assertEqual((self.bakes(), len(bpy.data.images)), ([], 0))
+        self.make()
+        yield from self.begin_bake()  # none is under way any more
+        sleeve.empty_file()
+        yield 0.2
 
     def test_a_bake_whose_window_is_closed_ends(self) -> Iterator[float]:
         """The second Blender went on, and its folder stayed."""

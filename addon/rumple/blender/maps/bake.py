@@ -33,17 +33,23 @@ CAGE_OFFSETS = 2.0  # ... and an automatic cage that stands this many heights ou
 STEEPEST = 0.2  # cosine of the steepest slope that a wrinkle can have: 78 degrees
 BONE_CHANNELS = ("location", "rotation_quaternion", "rotation_euler", "rotation_axis_angle", "scale")
 
+_runs_in = -1  # number of the file of which a window bakes maps
+
 
 class MapBake:
     """Bakes poses one after the other. steps() does the work, close() restores the former state."""
 
     def __init__(self, context: bpy.types.Context, obj: bpy.types.Object, poses: list[int]) -> None:
-        """Raises UserError if nothing can be baked."""
-        self.context, self.obj, self.poses = context, obj, poses
+        """poses: their places in the list. Raises UserError if nothing can be baked."""
+        self.context, self.obj, settings = context, obj, obj.rumple_maps
         maps_rig.refuse_without_pose(obj)
+        # As they are now: while a second Blender bakes, the artist may change all of them.
+        self.name, self.poses = obj.name, [settings.poses[number].name for number in poses]
+        self.size, self.deep, self.folder = settings.bake_size, settings.bake_deep, settings.bake_folder
         self.armature = obj.find_armature()
         self.done = 0
-        self.names: list[str] = []
+        self.names: list[str] = []  # of the images
+        self.gone: list[str] = []  # poses that are no longer there
         if not obj.data.uv_layers:
             raise UserError(f"{obj.name}: it has no UV map to bake to: unwrap it in Edit Mode first")
         if "CYCLES" not in _engines():
@@ -58,8 +64,8 @@ class MapBake:
 
     def steps(self) -> Generator[str, None, None]:
         """Yields a description before each step. Raises UserError."""
-        for number in self.poses:
-            pose = self.obj.rumple_maps.poses[number]
+        for name in self.poses:
+            pose = self.obj.rumple_maps.poses[name]
             yield f"{pose.name}: settling the wrinkles"
             if self.armature is not None:
                 stored_poses.pose_bones(pose.bones, self.armature)
@@ -74,14 +80,23 @@ class MapBake:
             self.names.append(image.name)
             self.done += 1
 
-    def take(self, number: int, pixels: np.ndarray) -> bpy.types.Image:
-        """Store the map of a pose that another Blender has baked. pixels: (4 texels,) float32."""
-        pose = self.obj.rumple_maps.poses[number]
-        pose.image = image = self._new_image(pose)
-        image.pixels.foreach_set(pixels)
-        image.update()
+    def take(self, name: str, pixels: np.ndarray) -> None:
+        """Store the map of a pose that another Blender has baked, unless the pose is gone. Everything is looked up by
+        name, because an undo makes Python's references invalid. pixels: (4 texels,) float32."""
+        obj = bpy.data.objects.get(self.name)
+        pose = None if obj is None else obj.rumple_maps.poses.get(name)
+        if pose is None:
+            self.gone.append(name)
+            return
+        image = self._new_image(name)
+        with ExitStack() as failed:
+            failed.callback(bpy.data.images.remove, image)
+            image.pixels.foreach_set(pixels)
+            image.update()
+            failed.pop_all()
+        pose.image = image
+        self.names.append(image.name)
         self._store(image)
-        return image
 
     def refuse(self, text: str) -> None:
         """Raise UserError with the error of the other Blender."""
@@ -168,7 +183,7 @@ class MapBake:
     # --- the baker
     def _bake(self, pose: bpy.types.PropertyGroup, low: bpy.types.Object, high: bpy.types.Object,
               height: float) -> bpy.types.Image:
-        settings, image = self.obj.rumple_maps, self._new_image(pose)
+        settings, image = self.obj.rumple_maps, self._new_image(pose.name)
         with ExitStack() as failed, ExitStack() as ended:
             failed.callback(bpy.data.images.remove, image)
             material = _show_only(low, image)
@@ -199,25 +214,23 @@ class MapBake:
             failed.pop_all()
         return image
 
-    def _new_image(self, pose: bpy.types.PropertyGroup) -> bpy.types.Image:
-        settings = self.obj.rumple_maps
-        image = bpy.data.images.new(f"{self.obj.name} {pose.name}", settings.bake_size, settings.bake_size,
-                                    alpha=False, float_buffer=settings.bake_deep, is_data=True)
+    def _new_image(self, pose: str) -> bpy.types.Image:
+        image = bpy.data.images.new(f"{self.name} {pose}", self.size, self.size, alpha=False, float_buffer=self.deep,
+                                    is_data=True)
         image.colorspace_settings.name = "Non-Color"
         return image
 
     def _store(self, image: bpy.types.Image) -> None:
         """Store the image in the blend file, or as a file if a folder is set."""
-        settings = self.obj.rumple_maps
-        if not settings.bake_folder:
+        if not self.folder:
             image.pack()
             return
         try:
-            folder = Path(bpy.path.abspath(compat.blend_path(settings.bake_folder)))
-            maps_export.save_image(image, folder, settings.bake_deep)
+            folder = Path(bpy.path.abspath(compat.blend_path(self.folder)))
+            maps_export.save_image(image, folder, self.deep)
         except (OSError, RuntimeError) as error:
             image.pack()
-            raise UserError(f"{self.obj.name}: the map {image.name} cannot be saved and is packed: {error}") from error
+            raise UserError(f"{self.name}: the map {image.name} cannot be saved and is packed: {error}") from error
 
 
 def _engines() -> set[str]:
@@ -288,14 +301,18 @@ class RUMPLE_OT_maps_bake(maps_operators.OnPose, bpy.types.Operator):
         return self._finished(bake)
 
     def invoke(self, context: bpy.types.Context, _event: bpy.types.Event) -> set[str]:
+        global _runs_in
         if bpy.app.background:
             return self.execute(context)
+        if _runs_in == scheduler.file_number():
+            self.report({"WARNING"}, said("Another bake is under way: wait for it, or press Esc in its window"))
+            return {"CANCELLED"}
         try:
             self._running = bake_apart.ApartBake(self._begin(context))
         except UserError as error:
             self.report({"ERROR"}, said(str(error)))
             return {"CANCELLED"}
-        self._name, self._steps = maps_operators.target(context).name, self._running.steps()
+        _runs_in, self._steps = scheduler.file_number(), self._running.steps()
         manager = context.window_manager
         manager.progress_begin(0, self._running.count)
         self._timer = manager.event_timer_add(0.05, window=context.window)
@@ -303,27 +320,28 @@ class RUMPLE_OT_maps_bake(maps_operators.OnPose, bpy.types.Operator):
         return {"RUNNING_MODAL"}
 
     def modal(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
-        if event.type == "ESC":
+        plan = self._running.plan
+        if (event.type, event.value) == ("ESC", "PRESS"):  # the release may be of an Esc that ended something else
             self._end_modal(context)
-            self.report({"INFO"}, said(f"Bake cancelled; finished maps: {', '.join(self._running.names) or 'none'}"))
+            self.report({"INFO"}, said(f"Bake cancelled; finished maps: {', '.join(plan.names) or 'none'}"))
             return {"CANCELLED"}
-        if event.type != "TIMER":
-            return {"RUNNING_MODAL"}
+        if event.type != "TIMER" or scheduler.job_runs():
+            return {"PASS_THROUGH"}
         try:
             text = said(next(self._steps))
         except StopIteration:
             self._end_modal(context)
-            return self._finished(self._running)
+            return self._finished(plan)
         except Exception as error:  # any exception: otherwise Blender would continue to call this operator
             self._end_modal(context)
-            text = str(error) if isinstance(error, UserError) else messages.unexpected(self._name, error)
+            text = str(error) if isinstance(error, UserError) else messages.unexpected(plan.name, error)
             self.report({"ERROR"}, said(text))
             return {"CANCELLED"}
         context.window_manager.progress_update(self._running.done)
         if context.workspace is not None:
             context.workspace.status_text_set(
                 said(f"{text} ({self._running.done} of {self._running.count}). Esc cancels"))
-        return {"RUNNING_MODAL"}
+        return {"PASS_THROUGH"}
 
     def cancel(self, context: bpy.types.Context) -> None:
         """Called if another file is opened or the window is closed."""
@@ -335,16 +353,22 @@ class RUMPLE_OT_maps_bake(maps_operators.OnPose, bpy.types.Operator):
         return MapBake(context, obj, list(range(len(settings.poses))) if self.every else [settings.active])
 
     def _end_modal(self, context: bpy.types.Context) -> None:
+        global _runs_in
+        _runs_in = -1
         self._steps.close()
         self._running.close()
         context.window_manager.event_timer_remove(self._timer)
         context.window_manager.progress_end()
-        if context.workspace is not None:
-            context.workspace.status_text_set(None)
+        for workspace in bpy.data.workspaces:  # the artist may have changed to another one
+            workspace.status_text_set(None)
 
-    def _finished(self, bake: MapBake | bake_apart.ApartBake) -> set[str]:
-        self.report({"INFO"}, said(f"Baked {', '.join(bake.names)}"))
-        return {"FINISHED"}
+    def _finished(self, bake: MapBake) -> set[str]:
+        if bake.names:
+            self.report({"INFO"}, said(f"Baked {', '.join(bake.names)}"))
+        if bake.gone:
+            self.report({"WARNING"}, said(f"{bake.name}: it or these poses were removed or renamed during the bake, so "
+                                          f"they get no map: {', '.join(bake.gone)}"))
+        return {"FINISHED"} if bake.names else {"CANCELLED"}
 
 
 CLASSES = (RUMPLE_OT_maps_bake,)

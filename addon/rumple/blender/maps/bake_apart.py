@@ -28,7 +28,6 @@ class ApartBake:
     def __init__(self, plan: Any) -> None:
         """plan: the MapBake to do."""
         self.plan, self.done = plan, 0
-        self.names: list[str] = []
         self.folder = Path(tempfile.mkdtemp(prefix="rumple_maps_", dir=bpy.app.tempdir))
         self._process: subprocess.Popen | None = None
 
@@ -41,7 +40,8 @@ class ApartBake:
         yield "Saving a copy of the file"
         blend, log = self.folder / "copy.blend", self.folder / "log"
         bpy.ops.wm.save_as_mainfile(filepath=str(blend), copy=True)
-        order = json.dumps(dict(object=self.plan.obj.name_full, poses=self.plan.poses, folder=str(self.folder),
+        order = json.dumps(dict(object=self.plan.name, poses=self.plan.poses, folder=str(self.folder),
+                                size=self.plan.size, deep=self.plan.deep,
                                 scripts=not bpy.app.autoexec_fail))  # scripts that were not run here are not run there
         with open(log, "w", encoding="utf-8") as printed:
             self._process = subprocess.Popen(
@@ -55,9 +55,9 @@ class ApartBake:
             text = f"{steps[-1]}: baking" if steps else text
             yield text
         self._check(log)
-        for number in self.plan.poses:
+        for number, name in enumerate(self.plan.poses):
             yield text
-            self.names.append(self.plan.take(number, np.load(self.folder / f"{number}.npy")).name)
+            self.plan.take(name, np.load(self.folder / f"{number}.npy"))
 
     def _check(self, log: Path) -> None:
         error = self.folder / "error"
@@ -65,7 +65,7 @@ class ApartBake:
             self.plan.refuse(error.read_text(encoding="utf-8"))
         if self._process.returncode:
             last = log.read_text(encoding="utf-8", errors="replace").strip().splitlines()[-1:]
-            self.plan.refuse(f"{self.plan.obj.name}: the second Blender, which bakes the maps, broke off: "
+            self.plan.refuse(f"{self.plan.name}: the second Blender, which bakes the maps, broke off: "
                              f"{''.join(last)}")
 
     def close(self) -> None:
@@ -94,17 +94,18 @@ def _main(order: dict[str, Any]) -> None:
     folder, obj = Path(order["folder"]), bpy.data.objects[order["object"]]
     bpy.context.view_layer.objects.active = obj
     about = obj.rumple_maps
-    about.bake_folder = ""
-    for number in order["poses"]:
-        about.active = number
-        print(f"{STEP}{about.poses[number].name}", flush=True)
+    about.bake_folder, about.bake_size, about.bake_deep = "", order["size"], order["deep"]
+    for number, name in enumerate(order["poses"]):
+        about.active = about.poses.find(name)
+        print(f"{STEP}{name}", flush=True)
         try:
             bpy.ops.rumple.maps_bake()
         except RuntimeError as error:  # bpy.ops raises this if an operator reports an error
             (folder / "error").write_text(str(error).removeprefix("Error: ").strip(), encoding="utf-8")
             return
-        pixels = np.empty(len(about.poses[number].image.pixels), np.float32)
-        about.poses[number].image.pixels.foreach_get(pixels)
+        image = about.poses[name].image
+        pixels = np.empty(len(image.pixels), np.float32)
+        image.pixels.foreach_get(pixels)
         np.save(folder / f"{number}.npy", pixels)
 
 

@@ -98,7 +98,7 @@ MESSAGES = tuple((re.compile(pattern), anchor) for pattern, anchor in (
      r"|: expected|, .*: expected|has no name|are called", "reference-poses"),
     (r"^material |: its materials|no material|[Ww]rinkle map|Cycles bakes|UV map to bake|cannot be baked|the maps? "
      r"|no map shows|which bakes the maps|do not show in this pose|wrinkles cannot be made|masks are lost"
-     r"|relative shape keys", "poses-bones-and-shading"),
+     r"|relative shape keys|they get no map", "poses-bones-and-shading"),
     (r"raise Most Vertices|finer folds are asked|Esc stopped|not made anew yet", "the-panel"),
     (r"fewer than the coarse|own fine mesh|are not attached", "fine-mesh"),
     (r"was healed|to be healed", "where-it-stands"),
