@@ -14,7 +14,7 @@ from unittest import mock
 
 import bpy
 import numpy as np
-from rumple.blender.maps import bake, bake_apart, bake_source, export as maps_export
+from rumple.blender.maps import bake, bake_apart, export as maps_export
 from rumple.blender.objects import made_collections, modifier
 from rumple.core.base.wording import UserError
 from rumple.core.systems import poses_json
@@ -276,46 +276,6 @@ class Worn(unittest.TestCase):
         self.check_nothing_else_changes(obj)
         self.assertEqual(obj.rumple.body_collection, worn_over)
         self.assertEqual([member.name for member in worn_over.objects], ["Inner"])
-
-
-class Source(unittest.TestCase):
-    """What is baked where nobody has chosen anything: it was the Wrinkle Mesh for skin, too, and hardly to be seen."""
-
-    def source_of(self, obj: bpy.types.Object) -> str:
-        with sleeve.context():
-            sleeve.make_active(obj)
-            self.assertEqual(bpy.ops.rumple.maps_add(), {"FINISHED"})
-        return obj.rumple_maps.bake_source
-
-    def test_skin_gets_the_field_with_creases(self) -> None:
-        obj, _ = face.scene(maps=False)
-        self.assertEqual(self.source_of(obj), "FIELD")
-        obj.rumple.method = "FIELD"
-        bake_source.make_skin(obj, bpy.context.scene)
-        settings = obj.rumple.field
-        self.assertEqual((settings.profile, settings.base_cloth), ("PENCIL_PLEATS", "OFF"))
-        self.assertAlmostEqual(settings.wavelength, 0.02, places=6)  # two edges
-
-    def test_what_the_artist_has_set_stays(self) -> None:
-        obj, _ = face.scene(maps=False)
-        obj.rumple.mesh.radius = 0.5
-        self.assertEqual(self.source_of(obj), "MESH")
-        obj.rumple.method, obj.rumple.field.irregularity = "FIELD", 0.1
-        bake_source.make_skin(obj, bpy.context.scene)
-        self.assertEqual(obj.rumple.field.profile, "SINE")
-
-    def test_a_garment_gets_the_mesh(self) -> None:
-        self.assertEqual(self.source_of(sleeve.to_be_cloth()), "MESH")
-
-    def test_other_wrinkles_of_the_object_are_taken(self) -> None:
-        obj = sleeve.scene(wrinkles=False)
-        sleeve.click(obj, "PATHS")
-        self.assertEqual(self.source_of(obj), "PATHS")
-
-    def test_a_choice_that_was_made_stays(self) -> None:
-        obj, _ = face.scene(maps=False)
-        obj.rumple_maps.bake_source = "PATHS"
-        self.assertEqual(self.source_of(obj), "PATHS")
 
 
 class Export(face.TwoPoses, unittest.TestCase):

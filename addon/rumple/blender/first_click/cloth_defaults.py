@@ -41,7 +41,7 @@ def defaults(obj: bpy.types.Object, scene: bpy.types.Scene, sheet: bool = False,
              closed: bool = False) -> dict[str, Any]:
     """Settings that depend on how the object moves; empty if it is neither skinned nor simulated. sheet, closed: from
     is_sheet() and is_closed()."""
-    method = obj.rumple.method
+    method = properties.system_of(obj).method
     if is_simulated(obj):
         return SIMULATED_DEFAULTS.get(method, {})
     if not is_skinned(obj):
@@ -91,7 +91,7 @@ def cloth_at_rest(obj: bpy.types.Object) -> BaseMesh:
     """The mesh at rest without skin that its materials name. Of a Wrinkle Mesh, without the inner side; the other
     systems solve the mesh as it is."""
     base = named_skin.without(obj, mesh_reader.base_mesh(obj, "REST_POSE", ""))
-    return outer_side.without_inner_side(base) if obj.rumple.method == "MESH" else base
+    return outer_side.without_inner_side(base) if properties.system_of(obj).method == "MESH" else base
 
 
 def _turn(obj: bpy.types.Object) -> np.ndarray:

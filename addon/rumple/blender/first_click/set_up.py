@@ -56,8 +56,7 @@ def _set_cloth(obj: bpy.types.Object, scene: bpy.types.Scene, lengths: set[str])
     """Set the cloth settings if the object is a garment, find its bodies, and paint its maps. lengths: from
     _set_defaults()."""
     worn_over, skin = body_search.find(obj, scene), []
-    is_sheet = cloth_defaults.is_sheet(obj, worn_over.body)
-    closed = not is_sheet and worn_over.share < UNDER_MOST and cloth_defaults.is_closed(obj, scene)
+    is_sheet, closed = _shape_of(obj, scene, worn_over)
     if not worn_over.is_body or named_skin.is_dressed(obj):
         cloth_defaults.apply(obj, scene, lengths, is_sheet, closed)
     if cloth_defaults.is_cloth(obj):
@@ -67,6 +66,23 @@ def _set_cloth(obj: bpy.types.Object, scene: bpy.types.Scene, lengths: set[str])
         free_parts.give_room(obj, scene, worn_over.trees, is_sheet, "room" not in lengths)
         tucked_hems.paint(obj, scene, worn_over.trees_over(), is_sheet)
     return _Found(worn_over, skin, closed and cloth_defaults.is_cloth(obj))
+
+
+def becomes_cloth(obj: bpy.types.Object, scene: bpy.types.Scene) -> bool:
+    """Whether set_up() would make an object cloth, or it is simulated. Nothing is changed. Cost: that of
+    body_search.find()."""
+    with incoming_mesh.whole(body_search.candidates(obj, scene)):
+        worn_over = body_search.find(obj, scene)
+        if worn_over.is_body and not named_skin.is_dressed(obj):
+            return False
+        return bool(cloth_defaults.defaults(obj, scene, *_shape_of(obj, scene, worn_over)))
+
+
+def _shape_of(obj: bpy.types.Object, scene: bpy.types.Scene, worn_over: body_search.WornOver) -> tuple[bool, bool]:
+    """Whether a garment is a sheet, and whether its ends are closed."""
+    is_sheet = cloth_defaults.is_sheet(obj, worn_over.body)
+    closed = not is_sheet and worn_over.share < UNDER_MOST and cloth_defaults.is_closed(obj, scene)
+    return is_sheet, closed
 
 
 def _set_bodies(obj: bpy.types.Object, found: body_search.WornOver) -> None:

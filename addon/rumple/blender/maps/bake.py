@@ -149,9 +149,10 @@ class MapBake:
 
     def _add_wrinkles(self, copy: bpy.types.Object) -> None:
         method = self.obj.rumple_maps.bake_source
-        if method != "PATHS":
-            copy.rumple.method = method
-            bake_source.make_skin(copy, self.context.scene)
+        copy.rumple.method = method
+        properties.apply_values(copy, self.context.scene,
+                                bake_source.skin_settings(self.obj, self.context.scene, method))
+        copy.rumple.method = "NONE"  # else rumple_add() takes a captured rest shape for a trace of a former modifier
         with self.context.temp_override(object=copy, active_object=copy, selected_objects=[copy]):
             result = bpy.ops.object.rumple_add(method=method, shade=False)
         if result != {"FINISHED"}:

@@ -52,8 +52,16 @@ def _below(armature: bpy.types.Object, root: str) -> set[str]:
 
 def _head(armature: bpy.types.Object, names: list[str]) -> str:
     """A bone with a usual name of a head that has some of these as descendants; otherwise empty."""
-    return next((bone.name for bone in armature.data.bones if bone.name.lower() in _ROOT_NAMES
-                 and _below(armature, bone.name) & set(names)), "")
+    heads = (bone.name for bone in armature.data.bones if bone.name.lower() in _ROOT_NAMES)
+    return next((head for head in heads if _below(armature, head) & set(names)), "")
+
+
+def is_face(obj: bpy.types.Object) -> bool:
+    """Whether most of the bones that deform a mesh are those of a head."""
+    armature = obj.find_armature()
+    names = [] if armature is None else skinning_bones(obj, armature)
+    head = "" if armature is None else _head(armature, names)
+    return bool(head) and 2 * len({head, *_below(armature, head)} & set(names)) > len(names)
 
 
 def common_root(armature: bpy.types.Object, names: list[str]) -> str:
@@ -317,8 +325,7 @@ def _note_constant(obj: bpy.types.Object, names: list[str], rest: np.ndarray, ta
 
 
 def at_rest(obj: bpy.types.Object, rig: PoseRig) -> np.ndarray:
-    """(7 b + 17,), or (0,) without bones: all values of a rig that a skeleton depends on (hidden_meshes.py). Armature
-    space."""
+    """(7 b + 17,), or (0,) without bones: all that a skeleton depends on (hidden_meshes.py). Armature space."""
     if not rig.bones:
         return np.zeros(0, np.float32)
     known, names = armature_of(obj).data.bones, [bone.name for bone in rig.bones]
