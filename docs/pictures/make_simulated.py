@@ -54,7 +54,8 @@ def main() -> None:
             sheet = Image.open(Path(folder) / "sheet.png")
             sheet.thumbnail((1600, 1600))
             sheet.save(HERE / f"{out}.jpg", quality=88, optimize=True)
-    bpy.ops.wm.quit_blender()
+    with bpy.context.temp_override(window=bpy.context.window_manager.windows[0]):  # without one Blender 3.4 crashes
+        bpy.ops.wm.quit_blender()
 
 
 if __name__ == "__main__":
