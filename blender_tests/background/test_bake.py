@@ -17,7 +17,7 @@ import bpy
 import numpy as np
 from rumple.blender import handlers, scheduler
 from rumple.blender.bake import clip, operators, playback
-from rumple.blender.frame import clip_status, first_pass
+from rumple.blender.frame import baking, clip_status
 from rumple.blender.objects import modifier, runtimes
 from rumple.core.files import clip_folder, clip_lock
 from rumple.core.mesh.frame_result import COMMON_ATTRIBUTES
@@ -141,7 +141,7 @@ class Baked(unittest.TestCase):
         self.assertEqual(found, {"CANCELLED"})
         self.assertRegex(window.report.mock_calls[0].args[1], "Another bake is under way")
         running.cancel()
-        self.assertFalse(first_pass.is_read())
+        self.assertFalse(baking.is_running())
 
     def test_is_the_played_through_clip_and_needs_no_handlers(self) -> None:
         sleeve.play()

@@ -11,7 +11,7 @@ from typing import Any
 import bpy
 import numpy as np
 from rumple.blender.bake.clip import ClipBake
-from rumple.blender.frame import first_pass
+from rumple.blender.frame import baking, first_pass
 from rumple.blender.nodes.output_flags import Flag, is_set
 from rumple.blender.objects import modifier, output_mesh, runtimes
 from support import sleeve
@@ -104,9 +104,9 @@ class BakeReads(unittest.TestCase):
     def test_another_file_ends_it(self) -> None:
         """A window frees the operator that bakes without a word: garments of the next file would not be solved."""
         self.obj.name = "Of the former file"
-        first_pass.read_only(self.obj)
+        baking.begin(self.obj)
         obj = sleeve.scene()
-        self.assertTrue(first_pass.is_needed(obj, modifier.find(obj)))
+        self.assertTrue(first_pass.must_be_solved(obj, modifier.find(obj)))
         sleeve.play(1, 3)
         self.assert_shown(obj)
 
@@ -121,7 +121,7 @@ class BakeReads(unittest.TestCase):
             self.assertEqual(len(sleeve.shown(self.obj)), runtimes.of(self.obj).evaluator.vertex_count)
             self.assertEqual(runtimes.of(self.obj).inputs.frame, bpy.context.scene.frame_current)
         running.cancel()
-        self.assertIsNone(first_pass._needed)
+        self.assertFalse(baking.is_running())
 
 
 if __name__ == "__main__":

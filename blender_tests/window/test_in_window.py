@@ -9,7 +9,7 @@ from typing import Iterator
 import bpy
 import numpy as np
 from rumple.blender.bake import clip
-from rumple.blender.frame import first_pass
+from rumple.blender.frame import baking
 from rumple.blender.nodes import wrinkle_tree
 from rumple.blender.objects import modifier, runtimes
 from support import sleeve
@@ -218,7 +218,7 @@ class Viewport(WindowCase):
         yield 0.5
         self.assertEqual(len(bpy.context.window_manager.windows), 1)
         self.assertEqual(os.listdir(folder) if folder.is_dir() else [], [])
-        self.assertEqual((first_pass._needed, bpy.context.scene.frame_current), (None, frame))
+        self.assertEqual((baking.is_running(), bpy.context.scene.frame_current), (False, frame))
         sleeve.at(5)
         yield 0.2
         self.assertTrue(sleeve.is_fine(obj))

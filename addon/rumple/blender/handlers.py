@@ -10,7 +10,7 @@ import bpy
 from bpy.app.handlers import persistent
 
 from . import scheduler
-from .frame import clip_status, disk_frames, first_pass, path_curves, rebuild, solve
+from .frame import baking, clip_status, disk_frames, first_pass, path_curves, rebuild, solve
 from .maps import (changes as maps_changes, modifier as maps_modifier, rebuild as maps_rebuild,
                    runtimes as maps_runtimes, solve as maps_solve)
 from .objects import (bodies, building, changes, kept_lists, made_collections, messages, modifier, runtimes,
@@ -92,7 +92,7 @@ def _on_load(*_arguments: object) -> None:
     scheduler.set_rendering(False)
     kept_lists.forget_all()
     _forget_all()
-    first_pass.read_only(None)  # a running bake has ended with its file
+    baking.end()  # a running bake has ended with its file
     scheduler.sync_all()
 
 

@@ -7,7 +7,7 @@ import time
 import bpy
 
 from .. import ui_base
-from ..frame import first_pass
+from ..frame import baking
 from ..objects import clip_place, clip_range, modifier, units
 from ..translation import said
 from . import clip, duration, shape_keys
@@ -86,7 +86,7 @@ class OBJECT_OT_rumple_bake(ui_base.OnWrinkled, bpy.types.Operator):
     def invoke(self, context: bpy.types.Context, _event: bpy.types.Event) -> set[str]:
         if bpy.app.background:
             return self.execute(context)
-        if first_pass.is_read():  # by a bake in another window: each would stop the other's garments
+        if baking.is_running():  # by a bake in another window: each would stop the other's garments
             self.report({"WARNING"}, said("Another bake is under way: wait for it, or press Esc in its window"))
             return {"CANCELLED"}
         self._line_up(context)

@@ -11,7 +11,7 @@ import numpy as np
 from ...core.base.wording import UserError
 from ...core.frame import engine
 from .. import compat, scheduler
-from ..frame import clip_status, first_pass
+from ..frame import baking, clip_status
 from ..objects import incoming_mesh, modifier, runtimes, units, viewport_mesh, visibility
 
 
@@ -53,7 +53,7 @@ class Playback:
             runtimes.of(obj).stale = True
         try:
             scheduler.sync_all()
-            first_pass.read_only(obj)
+            baking.begin(obj)
         except BaseException:
             self.end_playback(restore_bake=True)
             raise
@@ -181,7 +181,7 @@ class Playback:
 
     def end_playback(self, restore_bake: bool) -> None:
         """Restore the state before the playback, as far as possible: the object or the file may be gone."""
-        first_pass.read_only(None)
+        baking.end()
         if self._is_gone():
             return
         try:

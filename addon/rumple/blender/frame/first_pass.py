@@ -4,8 +4,7 @@
 The first result is never visible. The handler only reads the posed coarse mesh from it. So in the first pass the node
 tree outputs the coarse mesh, which costs a tenth of the fine one. A flag tells the node tree (nodes/output_flags.py).
 
-While a clip is baked, the second result is not visible either. Then both passes output the coarse mesh, the solved
-result is not written, and garments that the bake does not need are not solved (read_only()).
+While a clip is baked (baking.py), the second result is not visible either, and both passes output the coarse mesh.
 
 Otherwise the flag is set only between frame_change_pre and frame_change_post. At all other times, in files, and in
 evaluations without these handlers, the flag is not set and the fine mesh is shown.
@@ -17,40 +16,23 @@ import time
 import bpy
 
 from .. import compat, scheduler
-from ..nodes.output_flags import Flag, change_flag, is_set, set_flag
-from ..objects import bodies, modifier, runtimes, units, viewport_mesh
+from ..nodes.output_flags import Flag, is_set, set_flag
+from ..objects import modifier, runtimes, units, viewport_mesh
+from . import baking
 
 _some_are_coarse = False
 _began: float | None = None  # start of the frame that Blender evaluates now, by time.perf_counter()
-_needed: frozenset[str] | None = None  # names of the garments that a bake reads; None: no bake is running
 
 
-def read_only(obj: bpy.types.Object | None) -> None:
-    """A bake starts, which reads the solved result of an object. None: the bake has ended, and everything is shown
-    again."""
-    global _needed
-    _needed = None if obj is None else frozenset(one.name_full for one in (obj, *bodies.all_under(obj)))
-    if obj is None:
-        for one, nodes_mod in modifier.wrinkled_objects():
-            output = modifier.output_object(nodes_mod)
-            if output is not None and change_flag(output, Flag.COARSE_ONLY, False):
-                runtimes.of(one).invalidate_output()
+def must_be_solved(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier) -> bool:
+    """Whether the wrinkles of an object are visible, or read by a bake."""
+    return baking.reads(obj) or shows_fine_mesh(nodes_mod)
 
 
-def is_read() -> bool:
-    """Whether a bake is running."""
-    return _needed is not None
-
-
-def is_needed(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier) -> bool:
-    """Whether the wrinkles of an object are visible or read."""
-    return _needed is None or obj.name_full in _needed or is_shown(nodes_mod)
-
-
-def is_shown(nodes_mod: bpy.types.NodesModifier) -> bool:
-    """Whether its second result is the fine mesh."""
+def shows_fine_mesh(nodes_mod: bpy.types.NodesModifier) -> bool:
+    """Whether the second pass outputs the fine mesh."""
     output = modifier.output_object(nodes_mod)
-    return _needed is None or output is None or not is_set(output, Flag.COARSE_ONLY)
+    return not baking.is_running() or output is None or not is_set(output, Flag.COARSE_ONLY)
 
 
 def hand_on_coarse(scene: bpy.types.Scene) -> None:
@@ -65,7 +47,7 @@ def hand_on_coarse(scene: bpy.types.Scene) -> None:
         return
     with scheduler.LOCK:
         moving = [(obj, nodes_mod) for obj, nodes_mod in modifier.wrinkled_objects()
-                  if _moved(obj, nodes_mod, scene) or (_needed is not None and not modifier.is_baked(nodes_mod))]
+                  if _moved(obj, nodes_mod, scene) or (baking.is_running() and not modifier.is_baked(nodes_mod))]
         if not moving or viewport_mesh.nodes_keep_meshes():
             return
         bound = viewport_mesh.targets()
@@ -84,7 +66,7 @@ def show_fine(scene: bpy.types.Scene) -> None:
     """Called after the first pass, also after errors: clear the flags."""
     global _some_are_coarse, _began
     _began = None
-    if _needed is not None:
+    if baking.is_running():
         return
     if scheduler.rendering() and not bpy.app.background:
         return  # nothing was prepared, and the rendering thread may hold the lock

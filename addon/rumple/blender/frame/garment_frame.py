@@ -64,7 +64,7 @@ class GarmentFrame:
         messages.set_frame_error(runtime, self.clip_fault)
         unplayed = runtime.evaluator.unplayed_message(inputs.frame, inputs.start) if result.unplayed else ""
         messages.note_unplayed(runtime, unplayed, self.mode == "RENDER")
-        if not first_pass.is_shown(self.nodes_mod):
+        if not first_pass.shows_fine_mesh(self.nodes_mod):
             runtime.result = result
             return False
         if runtime.evaluator.HAS_CURVES:

@@ -36,7 +36,7 @@ def process(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
         return
     evaluated = first_pass.seconds_evaluated()
     with LOCK:
-        objects = [pair for pair in modifier.wrinkled_objects() if first_pass.is_needed(*pair)]
+        objects = [pair for pair in modifier.wrinkled_objects() if first_pass.must_be_solved(*pair)]
         late = {obj for obj, nodes_mod in objects if _is_late(obj, nodes_mod)}
         try:
             if scheduler.allowed_now() and (changes.take_converted() or any(
@@ -248,7 +248,7 @@ def show_fine_meshes() -> None:
             inputs = None if runtime is None else runtime.inputs
             if output_obj is None or inputs is None or not (inputs.for_preview or inputs.in_viewport
                                                             or inputs.shows_coarse
-                                                            or not first_pass.is_shown(nodes_mod)):
+                                                            or not first_pass.shows_fine_mesh(nodes_mod)):
                 continue
             try:
                 first = units.first_frame(obj, units.scene_of(obj))
@@ -283,7 +283,7 @@ def _inputs(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier, runtime: 
     return Inputs(units.frame_of(scene), positions, settings, paint, units.first_frame(obj, scene), world,
                   units.frame_rate(scene), for_viewport and preview.uses_proxy(obj, nodes_mod), body,
                   wind.surroundings(evaluated, depsgraph, settings),
-                  in_viewport=for_viewport and viewport_mesh.is_shown(nodes_mod),
+                  in_viewport=for_viewport and viewport_mesh.shows_own_mesh(nodes_mod),
                   shows_coarse=for_viewport and weight_paint.needs_coarse(obj))
 
 

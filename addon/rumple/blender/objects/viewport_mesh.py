@@ -88,7 +88,7 @@ def show_in_viewports(nodes_mod: bpy.types.NodesModifier, wanted: bool) -> None:
         change_flag(mesh, Flag.RENDER_MESH, not wanted)
 
 
-def is_shown(nodes_mod: bpy.types.NodesModifier) -> bool:
+def shows_own_mesh(nodes_mod: bpy.types.NodesModifier) -> bool:
     """Whether viewports show their own mesh."""
     mesh = modifier.viewport_output(nodes_mod)
     return mesh is not None and not is_set(mesh, Flag.RENDER_MESH) and not modifier.is_baked(nodes_mod)
