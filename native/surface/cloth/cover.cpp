@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "base/expect.h"
+#include "base/smooth_step.h"
 #include "base/tolerances.h"
 #include "surface/mesh/positions.h"
 #include "surface/output/shown_mesh.h"
@@ -12,6 +13,9 @@ namespace rumple {
 namespace {
 
 constexpr int kPasses = 2;
+
+// Unit: thicknesses. A border of a body this far above a tested point does not lift it; half as far it does.
+constexpr float kFarAbove = 2.0f;
 
 // The search distance. A body outside of the cloth, farther away than the thickness, lifts nothing.
 float reach(const CoverSettings& settings) {
@@ -35,7 +39,12 @@ float lift_of(const CoverSettings& settings, const PosedCollider& bodies, const 
     if (body.triangle == kNone || body.distance < -settings.depth) return 0.0f;
     const float lift = settings.thickness - body.distance;
     // The border of a body that is deleted under the cloth must stay below the surface between the samples.
-    if (body.border) return std::max(lift - std::max(body.beside - spacing, 0.0f), 0.0f);
+    // Where it is far above a sample, as in an armpit, the cloth passes beside it.
+    if (body.border) {
+        const float far = kFarAbove * std::max(settings.thickness, kShortestEdge);
+        const float share = smooth_step(-far, -0.5f * far, body.distance);
+        return share * std::max(lift - std::max(body.beside - spacing, 0.0f), 0.0f);
+    }
     return body.weight * std::max(lift, 0.0f);
 }
 
