@@ -21,8 +21,8 @@ from rumple.blender.brush import canvas
 STROKES = (((-0.045, 1.415), (-0.125, 1.02)), ((0.045, 1.415), (0.125, 1.02)), ((0.0, 1.385), (0.0, 1.00)))
 STROKE_FRAMES, PAUSE, LAST_FRAMES = 16, 4, 10  # of a stroke, before the next, behind the last
 PAINT_FRAMES = (1, len(STROKES) * (STROKE_FRAMES + PAUSE) + LAST_FRAMES)
-RADIUS, SPACING, STRENGTH, LENGTH = 0.034, 0.008, 0.5, 0.75  # metres, metres from dab to dab; as the brush's own
-FIELD_WAVELENGTH, FIELD_IRREGULARITY = 0.03, 0.2
+RADIUS, SPACING, STRENGTH, LENGTH = 0.034, 0.008, 0.4, 0.6  # metres, metres from dab to dab, of the brush
+FIELD_WAVELENGTH, FIELD_IRREGULARITY = 0.055, 0.45
 TOWARDS = (0.0, 1.0, 0.0)  # the view
 RING = "Brush"
 DONE = "painted dabs"  # property of the shirt: how many of them
