@@ -155,6 +155,32 @@ class MapsInWindow(WindowCase):
         yield 0.5
         self.assertEqual([pose.name for pose in bpy.data.objects["Face"].rumple_maps.poses], ["Surprise"])
 
+    def test_until_a_new_list_of_poses_is_built_the_former_masks_stay(self) -> Iterator[float]:
+        """The strengths of the new list were written over the former poses: NumPy refused their number, and with one
+        pose left its strength was that of both."""
+        self.make()
+        tree = maps_modifier.find(self.obj).node_group
+        yield from self.until(lambda: "Surprise" in tree[maps_modifier.KEY])
+        self.settings.poses["Anger"].strength, self.settings.poses["Surprise"].strength = 0.5, 0.25
+        face.pose(self.rig, brow_L=0.01, jaw=0.01)
+        for change, kept in ((lambda: bpy.ops.rumple.pose_add(name="Open"), ["Surprise", "Anger", "Open"]),
+                             (bpy.ops.rumple.pose_remove, ["Surprise", "Anger"]),
+                             (lambda: bpy.ops.rumple.pose_move(direction="UP"), ["Anger", "Surprise"]),
+                             (lambda: self.settings.poses.remove(0), ["Surprise"])):  # as scripts do
+            with sleeve.context():
+                bpy.context.view_layer.update()
+                before = {pose.name: face.mask(self.obj, pose.name) for pose in self.settings.poses}
+                self.assertGreater(before["Surprise"].max(), 0.2)
+                change()
+                bpy.context.view_layer.update()
+                self.assertEqual([pose.name for pose in self.settings.poses], kept)
+                for name, mask in before.items():
+                    np.testing.assert_array_equal(face.mask(self.obj, name), mask, err_msg=name)
+                self.assertEqual(self.settings.message, "")
+            yield from self.until(lambda: repr(tuple(kept)) in tree[maps_modifier.KEY])
+            self.assertEqual(self.settings.message, "")
+            self.assertAlmostEqual(face.mask(self.obj, "Surprise").max(), before["Surprise"].max(), 6)
+
     def texels(self) -> list[np.ndarray]:
         """Of the maps of all poses."""
         return [np.array(pose.image.pixels[:], np.float32) for pose in self.settings.poses]

@@ -56,4 +56,7 @@ def _process(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier, runtime:
     skin = maps_modifier.skin(nodes_mod)
     if maps_meshes.made_from(skin, runtime.shape):
         # The evaluated copy has the right animated settings, in renders too.
-        rebuild.write_gain(skin, runtime, obj.evaluated_get(depsgraph).rumple_maps)
+        settings = obj.evaluated_get(depsgraph).rumple_maps
+        # Until a changed list of poses is built, the nodes still have the former poses: keep their strengths.
+        if [pose.name for pose in runtime.comparison.rig.poses] == [pose.name for pose in settings.poses]:
+            rebuild.write_gain(skin, runtime, settings)
