@@ -67,10 +67,15 @@ def socket(sockets: Any, name: str) -> bpy.types.NodeSocket:
     raise KeyError(name)
 
 
-def use_nodes(material: bpy.types.Material) -> None:
-    """Give a material a node tree. From 5.0 on it always has one, and the property is deprecated."""
+def uses_nodes(material: bpy.types.Material) -> bool:
+    """Whether a material is drawn with its nodes. From 5.0 on it always is, and the property is deprecated."""
+    return VERSION >= (5, 0, 0) or material.use_nodes
+
+
+def use_nodes(material: bpy.types.Material, switch: bool = True) -> None:
+    """Give a material a node tree, or draw it without; nothing from 5.0 on."""
     if VERSION < (5, 0, 0):
-        material.use_nodes = True
+        material.use_nodes = switch
 
 
 def mark_as_modifier(group: bpy.types.NodeTree) -> None:

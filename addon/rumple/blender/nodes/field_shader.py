@@ -20,7 +20,7 @@ import numpy as np
 
 from ...core.systems import wrinkle_field
 from .. import compat
-from . import builder, field_profile
+from . import builder, field_profile, use_nodes
 
 NAME = "Rumple Field"
 VERSION = 2  # increase it when the nodes change: groups in older files are then rebuilt in place
@@ -148,7 +148,7 @@ class _Builder(builder.Nodes):
 def shade(material: bpy.types.Material, obj: bpy.types.Object) -> None:
     """Let a material show the waves: connect the group to the normal of every shader, and to textures without
     coordinates."""
-    compat.use_nodes(material)
+    use_nodes.switch_on(material)
     if set_profile(material, obj):
         return
     nodes, links = material.node_tree.nodes, material.node_tree.links
@@ -226,6 +226,7 @@ def unshade(material: bpy.types.Material) -> None:
             if source is not None:
                 material.node_tree.links.new(source, target)
         material.node_tree.nodes.remove(field)
+    use_nodes.switch_back(material)
 
 
 def _our_nodes(material: bpy.types.Material) -> list[bpy.types.Node]:

@@ -15,7 +15,7 @@ import bpy
 from ...core.base.wording import UserError
 from ...core.systems.poses import PACKED
 from .. import compat
-from . import builder
+from . import builder, use_nodes
 
 NAME = "Rumple Maps"
 KEY = "rumple_maps"  # custom property of our node groups, and of the Normal Map nodes made by insert()
@@ -108,12 +108,19 @@ def insert(material: bpy.types.Material, group: bpy.types.NodeTree) -> None:
     """
     if not compat.is_editable(material):
         raise UserError(f"material {material.name} is linked from another file: make it local first")
-    if material.node_tree is None:
-        raise UserError(f"material {material.name} has no nodes: switch on Use Nodes")
-    present = [node for node in material.node_tree.nodes if _is_our_node(node)]
-    if present:
-        if any(node.node_tree != group for node in present):
-            raise UserError(f"material {material.name} shows the maps of another object: make it single-user first")
+    if set(_shown_groups(material)) - {group}:
+        raise UserError(f"material {material.name} shows the maps of another object: make it single-user first")
+    use_nodes.switch_on(material)
+    try:
+        _insert(material, group)
+    except UserError:
+        use_nodes.switch_back(material)
+        raise
+
+
+def _insert(material: bpy.types.Material, group: bpy.types.NodeTree) -> None:
+    """Insert it into the tree, unless it is there already."""
+    if shown_in(material) is not None:
         return
     maps, bare = _normal_maps(material)
     if bare:
@@ -140,13 +147,18 @@ def remove(material: bpy.types.Material) -> bool:
         tree.nodes.remove(node)
     for node in [node for node in tree.nodes if KEY in node] if ours else ():
         tree.nodes.remove(node)
+    use_nodes.switch_back(material)
     return bool(ours)
 
 
 def shown_in(material: bpy.types.Material) -> bpy.types.NodeTree | None:
     """The material's "Rumple Maps" group; None if it has none."""
+    return next(iter(_shown_groups(material)), None)
+
+
+def _shown_groups(material: bpy.types.Material) -> list[bpy.types.NodeTree]:
     nodes = material.node_tree.nodes if material.node_tree is not None else ()
-    return next((node.node_tree for node in nodes if _is_our_node(node)), None)
+    return [node.node_tree for node in nodes if _is_our_node(node)]
 
 
 def neutral_image(material: bpy.types.Material) -> bpy.types.Image | None:
