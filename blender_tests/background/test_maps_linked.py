@@ -10,12 +10,17 @@ from typing import Any
 import bpy
 import numpy as np
 from rumple.blender.maps import modifier as maps_modifier
+from rumple.blender.nodes import maps_shader
 from support import face, sleeve
 
 ROUNDING = 1e-4  # of a mask
 
 
-class Linked(unittest.TestCase):
+class Character(unittest.TestCase):
+    """A face in a file of its own."""
+
+    def prepare(self, obj: bpy.types.Object) -> None:
+        """What is done to it before it is saved."""
 
     def setUp(self) -> None:
         folder = tempfile.TemporaryDirectory()
@@ -25,6 +30,7 @@ class Linked(unittest.TestCase):
         obj, rig = face.scene()
         face.two_poses(obj, rig)
         face.animate(rig)
+        self.prepare(obj)
         collection, scene = bpy.data.collections.new("Character"), bpy.context.scene
         scene.collection.children.link(collection)
         for member in (obj, rig):
@@ -59,6 +65,9 @@ class Linked(unittest.TestCase):
         bpy.ops.wm.save_as_mainfile(filepath=self.shot)
         bpy.ops.wm.open_mainfile(filepath=self.shot)
         return self.found()
+
+
+class Linked(Character):
 
     def check(self, obj: bpy.types.Object, left: float, right: float = 0.0, name: str = "Surprise") -> None:
         np.testing.assert_allclose(face.mask(obj, name), left * self.shares[0] + right * self.shares[1], atol=ROUNDING)
@@ -169,3 +178,107 @@ class Linked(unittest.TestCase):
             self.check(obj, face.risen(frame))
         bpy.context.scene.frame_set(6)
         self.check(self.reopened()[0], face.risen(6))
+
+
+def made_map(name: str) -> bpy.types.Image:
+    image = bpy.data.images.new(name, 4, 4, is_data=True)
+    image.pack()
+    image.use_fake_user = True
+    return image
+
+
+def images(group: bpy.types.NodeTree) -> list[str]:
+    return sorted(node.image.name for node in group.nodes if node.type == "TEX_IMAGE")
+
+
+class InMaterials(Character):
+    """The character shows a map for each pose. In the shot another one is chosen."""
+
+    WHY = "Face: its material Skin is linked from another file and cannot show the maps of this one"
+
+    def prepare(self, obj: bpy.types.Object) -> None:
+        for pose in obj.rumple_maps.poses:
+            pose.image = made_map(pose.name)
+        bpy.ops.rumple.maps_show()
+
+    def choose(self, obj: bpy.types.Object) -> None:
+        obj.rumple_maps.poses["Surprise"].image = made_map("New")
+        bpy.context.view_layer.update()
+
+    def own_material(self, obj: bpy.types.Object) -> bpy.types.Material:
+        material = obj.material_slots[0].material.copy()
+        obj.material_slots[0].link = "OBJECT"
+        obj.material_slots[0].material = material
+        return material
+
+    def shows(self, obj: bpy.types.Object, names: list[str]) -> None:
+        """By a group of this file, in front of the Normal Map of a material of this file."""
+        group, material = obj.rumple_maps.group, obj.material_slots[0].material
+        self.assertEqual((group.library, material.library), (None, None))
+        self.assertEqual(images(group), names)
+        self.assertEqual(maps_shader.shown_in(material), group)
+        normal_map = next(node for node in material.node_tree.nodes if node.type == "NORMAL_MAP")
+        self.assertEqual(normal_map.inputs["Color"].links[0].from_node.node_tree, group)
+        self.assertEqual(face.notes(obj), "")
+
+    def test_maps_of_the_shot_reach_a_material_of_the_shot(self) -> None:
+        """The shader kept those of the linked file, and Show in Materials wrote them there, until the file was opened
+        again."""
+        obj, _rig = self.override()
+        linked = obj.rumple_maps.group
+        self.own_material(obj)
+        self.choose(obj)
+        self.shows(obj, ["Anger", "New"])
+        self.assertEqual(images(linked), ["Anger", "Surprise"])
+        obj, _rig = self.reopened()
+        self.shows(obj, ["Anger", "New"])
+        self.assertEqual(bpy.ops.rumple.maps_hide(), {"FINISHED"})
+        self.assertIsNone(maps_shader.shown_in(obj.material_slots[0].material))
+
+    def test_a_linked_material_is_named_until_the_object_has_one_of_this_file(self) -> None:
+        obj, _rig = self.override()
+        self.choose(obj)
+        self.assertIn(self.WHY, face.notes(obj))
+        with self.assertRaisesRegex(RuntimeError, self.WHY):
+            bpy.ops.rumple.maps_show()
+        shown = maps_shader.shown_in(obj.material_slots[0].material)
+        self.assertIsNotNone(shown.library)
+        self.assertEqual(images(shown), ["Anger", "Surprise"])
+        self.own_material(obj)
+        for _ in range(2):
+            self.assertEqual(bpy.ops.rumple.maps_show(), {"FINISHED"})
+            bpy.context.view_layer.update()
+            self.shows(obj, ["Anger", "New"])
+            obj, _rig = self.reopened()
+
+    def test_unchanged_maps_are_those_of_the_linked_file(self) -> None:
+        obj, _rig = self.override()
+        self.assertIsNotNone(obj.rumple_maps.group.library)
+        with self.assertRaisesRegex(RuntimeError, "Face: its material Skin is linked from another file and still"):
+            bpy.ops.rumple.maps_hide()
+        self.assertEqual(bpy.ops.rumple.maps_show(), {"FINISHED"})
+        bpy.context.view_layer.update()
+        self.assertEqual(face.notes(obj), "")
+        self.assertIsNotNone(maps_shader.shown_in(obj.material_slots[0].material).library)
+
+    def test_of_two_overrides_only_the_changed_one_has_a_group_of_its_own(self) -> None:
+        first, _rig = self.override()
+        collection = next(c for c in bpy.data.collections if c.library is not None)
+        collection.override_hierarchy_create(bpy.context.scene, bpy.context.view_layer, do_fully_editable=True)
+        bpy.context.view_layer.update()
+        second = next(o for o in bpy.data.objects
+                      if o.library is None and o.type == "MESH" and maps_modifier.find(o) and o != first)
+        material = self.own_material(second)
+        first.material_slots[0].link = "OBJECT"
+        first.material_slots[0].material = material
+        linked = second.rumple_maps.group
+        self.choose(first)
+        self.assertEqual((second.rumple_maps.group, linked.library is None), (linked, False))
+        self.assertEqual(maps_shader.shown_in(material), linked)
+        with self.assertRaisesRegex(RuntimeError, "material Skin[.0-9]* shows the maps of another object"):
+            bpy.ops.rumple.maps_show()
+        self.own_material(first)
+        self.assertEqual(bpy.ops.rumple.maps_show(), {"FINISHED"})
+        bpy.context.view_layer.update()
+        self.shows(first, ["Anger", "New"])
+        self.assertEqual(maps_shader.shown_in(material), linked)

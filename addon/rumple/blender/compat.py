@@ -125,6 +125,12 @@ def is_editable(data_block: bpy.types.ID) -> bool:
     return data_block.library is None
 
 
+def keeps_nodes(data_block: bpy.types.Material | bpy.types.NodeTree) -> bool:
+    """Whether nodes that are changed stay so. A library override gets those of the linked file again when it is
+    opened."""
+    return is_editable(data_block) and data_block.override_library is None
+
+
 def holds(items: bpy.types.bpy_prop_collection, data_block: bpy.types.ID) -> bool:
     """Whether a collection has this data-block. A local and a linked one may have the same name, and get() finds only
     the first."""

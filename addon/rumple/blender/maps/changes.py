@@ -5,9 +5,8 @@ from __future__ import annotations
 import bpy
 
 from .. import compat, scheduler
-from ..nodes import maps_shader
 from ..scheduler import LOCK
-from . import modifier as maps_modifier, rig as maps_rig, runtimes as maps_runtimes
+from . import materials, modifier as maps_modifier, runtimes as maps_runtimes
 
 
 _last_frame: tuple[str, float] | None = None  # that note_updates() has seen
@@ -23,9 +22,7 @@ def rig_changed(obj: bpy.types.Object) -> None:
 
 def maps_changed(obj: bpy.types.Object) -> None:
     """The images or their blending changed: rebuild the shader's nodes."""
-    group = obj.rumple_maps.group
-    if group is not None and compat.is_editable(group):
-        maps_shader.fill(group, maps_rig.usable_images(obj), obj.rumple_maps.maps, obj.rumple_maps.uv_map)
+    materials.fill(obj)
     rig_changed(obj)
 
 

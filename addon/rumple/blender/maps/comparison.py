@@ -11,7 +11,7 @@ from ...core.base.wording import UserError
 from ...core.systems.poses import PoseComparison, PoseRig, SkinWeights
 from ...native import NativeMissing
 from ..objects import modifier
-from . import modifier as maps_modifier, rig as maps_rig, runtimes as maps_runtimes
+from . import materials, modifier as maps_modifier, rig as maps_rig, runtimes as maps_runtimes
 from .runtimes import Runtime
 
 
@@ -28,7 +28,8 @@ def ensure(obj: bpy.types.Object, runtime: Runtime) -> None:
     shape = _fingerprint(rig, weights, maps_rig.at_rest(obj, rig))
     if runtime.comparison is None or runtime.shape != shape:
         runtime.comparison, runtime.shape, runtime.seen = PoseComparison.build(rig, weights), shape, None
-    runtime.notes = notes + runtime.comparison.warnings + maps_rig.image_notes(obj) + _order_notes(obj)
+    runtime.notes = notes + runtime.comparison.warnings + (
+        maps_rig.image_notes(obj) + materials.notes(obj) + _order_notes(obj))
 
 
 def _fingerprint(rig: PoseRig, weights: SkinWeights, at_rest: np.ndarray) -> str:

@@ -16,9 +16,8 @@ from ... import native
 from ...core.base.wording import UserError
 from .. import compat, scheduler
 from ..frame import rebuild as frame_rebuild
-from ..nodes import maps_shader
 from ..translation import said
-from . import (bake_source, changes as maps_changes, keys as maps_keys, modifier as maps_modifier,
+from . import (bake_source, changes as maps_changes, keys as maps_keys, materials, modifier as maps_modifier,
                rebuild as maps_rebuild, rig as maps_rig)
 
 
@@ -93,7 +92,7 @@ def add_maps(obj: bpy.types.Object) -> None:
 
 def remove_maps(obj: bpy.types.Object) -> None:
     """Remove the modifier, its hidden objects and the nodes in materials. The reference poses stay with the object."""
-    hide(obj)
+    materials.hide(obj)
     maps_modifier.remove(obj)
     frame_rebuild.drop_orphan_outputs()  # the maps may have been the last user of an output object
     maps_rebuild.note_method(obj)
@@ -101,34 +100,6 @@ def remove_maps(obj: bpy.types.Object) -> None:
     obj.rumple_maps.group = None
     if group is not None and group.users == 0 and compat.is_editable(group):
         bpy.data.node_groups.remove(group)
-
-
-def show(obj: bpy.types.Object) -> None:
-    """Add the node group to all materials of the object. At the end, raises UserError for materials that cannot have
-    it."""
-    settings = obj.rumple_maps
-    if settings.group is None:
-        settings.group = maps_shader.new_group(obj.name)
-    maps_shader.fill(settings.group, maps_rig.usable_images(obj), settings.maps, settings.uv_map)
-    refused = []
-    materials = {slot.material for slot in obj.material_slots if slot.material is not None}
-    for material in sorted(materials, key=lambda material: material.name):
-        try:
-            maps_shader.insert(material, settings.group)
-        except UserError as error:
-            refused.append(str(error))
-    if not materials:
-        refused.append(f"{obj.name}: it has no material that could show wrinkle maps")
-    if refused:
-        raise UserError("; ".join(refused))
-
-
-def hide(obj: bpy.types.Object) -> None:
-    """Take this object's node group out of its materials."""
-    for slot in obj.material_slots:
-        material = slot.material
-        if material is not None and maps_shader.shown_in(material) == obj.rumple_maps.group is not None:
-            maps_shader.remove(material)
 
 
 class RUMPLE_OT_maps_add(bpy.types.Operator):
@@ -235,7 +206,9 @@ class RUMPLE_OT_maps_show(OnMaps, bpy.types.Operator):
     bl_label = "Show in Materials"
 
     def execute(self, context: bpy.types.Context) -> set[str]:
-        return self.guarded(lambda: show(target(context)))
+        obj = target(context)
+        maps_changes.rig_changed(obj)  # warnings about its materials may be over
+        return self.guarded(lambda: materials.show(obj))
 
 
 class RUMPLE_OT_maps_hide(OnMaps, bpy.types.Operator):
@@ -245,8 +218,10 @@ class RUMPLE_OT_maps_hide(OnMaps, bpy.types.Operator):
     bl_label = "Remove from Materials"
 
     def execute(self, context: bpy.types.Context) -> set[str]:
-        hide(target(context))
-        return {"FINISHED"}
+        refused = materials.hide(target(context))
+        if refused:
+            self.report({"ERROR"}, said("; ".join(refused)))
+        return {"CANCELLED"} if refused else {"FINISHED"}
 
 
 CLASSES = (RUMPLE_OT_maps_add, RUMPLE_OT_maps_remove, RUMPLE_OT_maps_bones, RUMPLE_OT_maps_keys,

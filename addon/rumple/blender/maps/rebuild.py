@@ -114,7 +114,7 @@ def _split_shared(objects: list[tuple[bpy.types.Object, bpy.types.NodesModifier]
                                   maps_modifier.wrinkles(nodes_mod))
             maps_runtimes.of(obj).stale = True
         group = obj.rumple_maps.group
-        if group is not None and group in seen:
+        if group is not None and group in seen and compat.keeps_nodes(group):  # a linked one: see materials.py
             obj.rumple_maps.group = group.copy()  # until it has its own materials, they show the original's maps
         seen |= {nodes_mod.node_group, maps_modifier.skin(nodes_mod), obj.rumple_maps.group}
 

@@ -106,9 +106,7 @@ def insert(material: bpy.types.Material, group: bpy.types.NodeTree) -> None:
 
     Raises UserError and changes nothing if a normal comes from a node that is not a tangent-space Normal Map.
     """
-    if not compat.is_editable(material):
-        raise UserError(f"material {material.name} is linked from another file: make it local first")
-    if set(_shown_groups(material)) - {group}:
+    if {node.node_tree for node in nodes_in(material)} - {group}:
         raise UserError(f"material {material.name} shows the maps of another object: make it single-user first")
     use_nodes.switch_on(material)
     try:
@@ -137,7 +135,7 @@ def _insert(material: bpy.types.Material, group: bpy.types.NodeTree) -> None:
 def remove(material: bpy.types.Material) -> bool:
     """Remove the nodes of insert(), and restore the former links. Returns whether there were any."""
     tree = material.node_tree
-    ours = [node for node in tree.nodes if _is_our_node(node)] if tree is not None else []
+    ours = nodes_in(material)
     for node in ours:
         source = next((link.from_socket for link in node.inputs[INPUT].links), None)
         targets = [link.to_socket for link in node.outputs[OUTPUT].links]
@@ -153,18 +151,17 @@ def remove(material: bpy.types.Material) -> bool:
 
 def shown_in(material: bpy.types.Material) -> bpy.types.NodeTree | None:
     """The material's "Rumple Maps" group; None if it has none."""
-    return next(iter(_shown_groups(material)), None)
+    return next((node.node_tree for node in nodes_in(material)), None)
 
 
-def _shown_groups(material: bpy.types.Material) -> list[bpy.types.NodeTree]:
-    nodes = material.node_tree.nodes if material.node_tree is not None else ()
-    return [node.node_tree for node in nodes if _is_our_node(node)]
+def nodes_in(material: bpy.types.Material) -> list[bpy.types.Node]:
+    """The material's nodes with a "Rumple Maps" group."""
+    return [node for node in material.node_tree.nodes if _is_our_node(node)] if material.node_tree is not None else []
 
 
 def neutral_image(material: bpy.types.Material) -> bpy.types.Image | None:
     """The image of the neutral details, connected to the material's group; None if there is no image."""
-    nodes = material.node_tree.nodes if material.node_tree is not None else ()
-    for node in (node for node in nodes if _is_our_node(node)):
+    for node in nodes_in(material):
         _, source = _source_of(node.inputs[INPUT])
         if source is not None and source.type == "TEX_IMAGE":
             return source.image
