@@ -10,7 +10,7 @@ import bpy
 import numpy as np
 from mathutils import Euler, Matrix
 from rumple.blender import compat
-from rumple.blender.maps import hidden_meshes as maps_meshes, modifier as maps_modifier
+from rumple.blender.maps import hidden_meshes as maps_meshes, modifier as maps_modifier, operators
 from rumple.blender.nodes import maps_mask_tree, maps_shader
 from support import face, sleeve
 
@@ -161,6 +161,20 @@ class Poses(unittest.TestCase):
         self.assertEqual(bpy.ops.rumple.pose_add(name="Left"), {"FINISHED"})    # the armature is active
         bpy.ops.object.mode_set(mode="OBJECT")
         self.assertEqual([bone.name for bone in self.obj.rumple_maps.bones], ["brow.L"])
+
+    def test_of_two_meshes_on_a_rig_the_selected_one_is_posed_else_the_one_with_poses(self) -> None:
+        """It was the first by its name, also where that has no pose."""
+        face.two_poses(self.obj, self.rig)
+        other = self.obj.copy()
+        other.data, other.name = self.obj.data.copy(), "Another"
+        bpy.context.scene.collection.objects.link(other)
+        other.rumple_maps.poses.clear()
+        sleeve.make_active(self.rig)
+        bpy.ops.object.mode_set(mode="POSE")
+        self.assertEqual(operators.target(bpy.context), self.obj)
+        other.select_set(True)
+        self.assertEqual(operators.target(bpy.context), other)
+        bpy.ops.object.mode_set(mode="OBJECT")
 
     def test_go_to_pose_update_move_remove(self) -> None:
         settings = face.two_poses(self.obj, self.rig)

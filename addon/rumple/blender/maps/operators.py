@@ -22,11 +22,13 @@ from . import (bake_source, changes as maps_changes, keys as maps_keys, material
 
 
 def target(context: bpy.types.Context) -> bpy.types.Object | None:
-    """The object with Wrinkle Maps to work on: the active one, or the one that the active armature deforms."""
+    """The object with Wrinkle Maps to work on: the active one, or one that the active armature deforms: if there are
+    several, a selected one, else one with poses."""
     active = context.object
     if active is None or active.type != "ARMATURE":
         return active if active is not None and active.type == "MESH" and maps_modifier.find(active) else None
-    return next((obj for obj, _ in maps_modifier.mapped_objects() if obj.find_armature() == active), None)
+    deformed = [obj for obj, _ in maps_modifier.mapped_objects() if obj.find_armature() == active]
+    return min(deformed, key=lambda obj: (not obj.select_get(), not obj.rumple_maps.poses), default=None)
 
 
 class OnMaps:
