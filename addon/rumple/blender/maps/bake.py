@@ -23,7 +23,7 @@ from ..nodes import maps_shader
 from ..objects import made_collections, messages, modifier, properties, runtimes, units
 from ..translation import said
 from . import (bake_apart, bake_source, changes as maps_changes, export as maps_export, keys as maps_keys,
-               modifier as maps_modifier, operators as maps_operators, rig as maps_rig, stored_poses)
+               modifier as maps_modifier, operators as maps_operators, posed_rig, rig as maps_rig)
 
 SAMPLES = 8  # samples per texel, so that wrinkles narrower than a texel are averaged
 SETTLE_ITERATIONS = 100  # from the canonical start: a single frame may take longer
@@ -67,9 +67,7 @@ class MapBake:
         for name in self.poses:
             pose = self.obj.rumple_maps.poses[name]
             yield f"{pose.name}: settling the wrinkles"
-            if self.armature is not None:
-                stored_poses.pose_bones(pose.bones, self.armature)
-            with self._posed_copies(maps_keys.of_records(pose.keys)) as (low, high, height):
+            with self._posed_copies(pose) as (low, high, height):
                 self.done += 1
                 yield f"{pose.name}: baking"
                 image = self._bake(pose, low, high, height)
@@ -112,14 +110,21 @@ class MapBake:
 
     # --- the two meshes
     @contextmanager
-    def _posed_copies(self, keys: dict[str, float]) -> Iterator[tuple[bpy.types.Object, bpy.types.Object, float]]:
-        """The coarse and the wrinkled mesh in the current pose and with these values of shape keys, both without
-        modifiers; and the height of the folds."""
+    def _posed_copies(self, pose: bpy.types.PropertyGroup
+                      ) -> Iterator[tuple[bpy.types.Object, bpy.types.Object, float]]:
+        """The coarse and the wrinkled mesh in a reference pose, both without modifiers; and the height of the folds."""
         with ExitStack() as ended:
-            coarse, wrinkled = (self._plain_copy(suffix, keys, ended) for suffix in ("low", "high"))
+            rig = posed_rig.PosedRig(self.context, self.obj, pose.bones, ended)
+            coarse, wrinkled = (self._plain_copy(suffix, maps_keys.of_records(pose.keys), ended)
+                                for suffix in ("low", "high"))
+            for copy in (coarse, wrinkled):
+                rig.lead(copy)
             ended.callback(_remove_wrinkles, wrinkled)
             self._add_wrinkles(wrinkled)
             low, high = (self._frozen(copy, ended) for copy in (coarse, wrinkled))
+            if rig.astray():
+                raise UserError(f"{self.obj.name}: bone {rig.astray()} of {self.armature.name} does not come to where "
+                                f"pose {pose.name} has it: bring it there with what moves it, then bake")
             # so that facets are not baked
             high.data.polygons.foreach_set("use_smooth", np.ones(len(high.data.polygons), bool))
             if "rumple_offset" not in high.data.attributes:
@@ -141,7 +146,7 @@ class MapBake:
         behind = {m.name for m in list(copy.modifiers)[modifier.place_behind_deforming(copy):]}
         for name in [m.name for m in copy.modifiers if m in (nodes_mod, wrinkles) or m.name in behind]:
             copy.modifiers.remove(copy.modifiers[name])
-        copy.rumple.method = "NONE"
+        copy.rumple.method, copy.show_only_shape_key = "NONE", False
         self.context.scene.collection.objects.link(copy)
         copy.hide_set(False)
         copy.hide_viewport = False

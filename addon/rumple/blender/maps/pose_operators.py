@@ -13,7 +13,7 @@ import bpy
 from ...core.base.wording import UserError
 from ...core.systems.poses import MOST_POSES, PoseComparison
 from ..translation import said
-from . import changes as maps_changes, keys as maps_keys, rig as maps_rig, stored_poses
+from . import changes as maps_changes, keys as maps_keys, posed_rig, rig as maps_rig, stored_poses
 from .operators import OnMaps, OnPose, target
 from .properties import unused_name
 
@@ -198,11 +198,16 @@ class RUMPLE_OT_pose_go(OnMaps, bpy.types.Operator):
     def _go(self, context: bpy.types.Context, obj: bpy.types.Object, records: stored_poses.Records) -> None:
         bones, keys = stored_poses.go_to(records, obj)
         context.view_layer.update()
+        armature = obj.find_armature()
         if bones:
-            armature = obj.find_armature()
             self.report({"WARNING"}, said(f"{armature.name} has no bone {', '.join(bones)}: renamed or deleted?"))
         if keys:
             self.report({"WARNING"}, said(f"{obj.name} has no shape key {', '.join(keys)}: renamed or deleted?"))
+        held = armature is not None and stored_poses.first_astray(
+            posed_rig.of_skin(obj, armature, records[0]), armature, context.evaluated_depsgraph_get())
+        if held:
+            self.report({"WARNING"}, said(f"{armature.name}: bone {held} does not come to where it was stored: a "
+                                          "constraint, a driver or Rest Position holds it"))
         astray = maps_keys.astray(obj, maps_keys.of_records(records[1]))
         if astray:
             self.report({"WARNING"}, said(f"{obj.name}: {', '.join(astray)} cannot be set here: a driver sets it, or "

@@ -11,10 +11,13 @@ from typing import Any, Sequence
 
 import bpy
 import numpy as np
+from mathutils import Matrix
 
 from ...core.base import transforms
 from .. import compat
 from . import keys as maps_keys
+
+ASTRAY = 1e-4  # distance / the armature's size: a smaller one is a rounding error of Blender's evaluation
 
 Records = tuple[Any, Any]  # collections of RUMPLE_PosedBone and of RUMPLE_KeyValue
 Numbers = Sequence[float]
@@ -135,6 +138,40 @@ def applied_since(records: Any, armature: bpy.types.Object) -> np.ndarray | None
     return moved
 
 
+# ---------------------------------------------------------------- where the bones belong
+def matrices(records: Any, armature: bpy.types.Object) -> dict[str, Matrix]:
+    """Bone -> where it stood in a pose, as a matrix in the armature space of now. Left out are bones that are gone or
+    were edited since then; all of them if the armature was stretched or mirrored."""
+    applied, rests = applied_since(records, armature), _rests(armature)
+    scale = None if applied is None else transforms.scale_of(applied)
+    if applied is not None and scale is None:
+        return {}
+    found = {}
+    for record in records:
+        matrix, former = np.array(record.matrix, np.float64).reshape(4, 4), np.array(record.rest, np.float32)
+        if record.name not in rests or not matrix.any():
+            continue
+        if applied is not None:
+            matrix[:3, 3] = transforms.placed(applied, matrix[None, :3, 3])[0]
+            matrix[:3, :3] = transforms.product(applied[:, :3] / scale, matrix[:3, :3])
+        elif former.any() and not np.array_equal(former, rests[record.name]):
+            continue
+        found[record.name] = Matrix(matrix.tolist())
+    return found
+
+
+def first_astray(wanted: dict[str, Matrix], armature: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> str:
+    """The first bone of an armature that does not have the wanted matrix. Empty if there is none."""
+    bones = armature.evaluated_get(depsgraph).pose.bones
+    size = max((float(np.abs(rest).max()) for rest in _rests(armature).values()), default=0.0)
+    for name, matrix in wanted.items():
+        length = armature.data.bones[name].length
+        now, there = (place @ Matrix.Diagonal((length, length, length, 1.0)) for place in (bones[name].matrix, matrix))
+        if not np.abs(np.array(now) - np.array(there)).max() <= ASTRAY * size:  # also if it is not finite
+            return name
+    return ""
+
+
 # ---------------------------------------------------------------- going there
 def go_to(records: Records, obj: bpy.types.Object) -> tuple[list[str], list[str]]:
     """Set bones and shape keys as stored. Returns the names of missing bones and of missing keys."""
@@ -145,7 +182,6 @@ def go_to(records: Records, obj: bpy.types.Object) -> tuple[list[str], list[str]
 
 def pose_bones(records: Any, armature: bpy.types.Object) -> list[str]:
     """Set the bones of an armature to a stored pose. Returns the names of missing bones."""
-    from mathutils import Matrix
     missing = []
     applied = applied_since(records, armature)
     longer = applied is not None and transforms.scale_of(applied) or 1.0
