@@ -50,8 +50,7 @@ class MapBake:
         self.done = 0
         self.names: list[str] = []  # of the images
         self.gone: list[str] = []  # poses that are no longer there
-        if not obj.data.uv_layers:
-            raise UserError(f"{obj.name}: it has no UV map to bake to: unwrap it in Edit Mode first")
+        self.uv_map = _uv_map(obj)
         if "CYCLES" not in _engines():
             raise UserError("Cycles bakes the maps: switch on its add-on in the preferences")
         self._was_locked = context.scene.render.use_lock_interface
@@ -194,8 +193,9 @@ class MapBake:
             failed.callback(bpy.data.images.remove, image)
             material = _show_only(low, image)
             ended.callback(bpy.data.materials.remove, material)
-            if settings.uv_map in low.data.uv_layers:
-                low.data.uv_layers[settings.uv_map].active_render = True
+            if self.uv_map in low.data.uv_layers:
+                uv_map = low.data.uv_layers[self.uv_map]
+                low.data.uv_layers.active, uv_map.active_render = uv_map, True  # the baker takes the active one
             metres = units.metres_per_unit(self.obj, self.context.scene)
             cage = (settings.bake_cage * self.context.scene.unit_settings.scale_length
                     or max(CAGE_OFFSETS * height * metres, 1e-6))
@@ -237,6 +237,17 @@ class MapBake:
         except (OSError, RuntimeError) as error:
             image.pack()
             raise UserError(f"{self.name}: the map {image.name} cannot be saved and is packed: {error}") from error
+
+
+def _uv_map(obj: bpy.types.Object) -> str:
+    """The UV map in which the maps are shown. Raises UserError."""
+    layers, chosen = obj.data.uv_layers, obj.rumple_maps.uv_map
+    if not layers:
+        raise UserError(f"{obj.name}: it has no UV map to bake to: unwrap it in Edit Mode first")
+    if chosen and chosen not in layers:
+        raise UserError(f"{obj.name}: it has no UV map \"{chosen}\": give it its name back, or choose another in "
+                        "Shading")
+    return chosen or next(layer.name for layer in layers if layer.active_render)
 
 
 def _engines() -> set[str]:

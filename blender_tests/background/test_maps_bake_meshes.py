@@ -1,0 +1,66 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What of the mesh is baked: its UV maps, its shading, its fold guides, what renders show of it."""
+from __future__ import annotations
+
+import unittest
+
+import bpy
+import numpy as np
+from rumple.blender import compat
+from support import face
+from test_maps_bake import everything, texels
+
+SIZE = 64
+
+
+def baked(obj: bpy.types.Object) -> np.ndarray:
+    obj.rumple_maps.bake_size = SIZE
+    assert bpy.ops.rumple.maps_bake() == {"FINISHED"}
+    return texels(obj.rumple_maps.poses[obj.rumple_maps.active].image)
+
+
+def centre(image: np.ndarray) -> tuple[float, float]:
+    """Where the wrinkles are, in UV space."""
+    lean = (np.abs(image[:, :, :2] - 0.5) ** 2).max(2)
+    places = (np.arange(SIZE) + 0.5) / SIZE
+    return float((lean * places[None, :]).sum() / lean.sum()), float((lean * places[:, None]).sum() / lean.sum())
+
+
+class UvMaps(unittest.TestCase):
+    """The map was baked to the UV map that was active in the mesh's panel, whatever the material reads."""
+
+    def setUp(self) -> None:
+        self.obj, self.rig = face.scene()
+        face.pose(self.rig, brow_L=-0.012)
+        bpy.ops.rumple.pose_add(name="Left")
+        self.layers = self.obj.data.uv_layers
+        first = compat.uv_values(self.layers["UVMap"])
+        turned = self.layers.new(name="Turned")
+        turned.data.foreach_set("uv", np.ascontiguousarray(1.0 - first).ravel())
+        self.obj.rumple_maps.uv_map = "UVMap"
+        self.place = np.array(centre(baked(self.obj)))
+        self.assertGreater(np.abs(self.place - 0.5).max(), 0.1, "not a case of it")
+
+    def check(self, turned: bool) -> None:
+        np.testing.assert_allclose(centre(baked(self.obj)), 1.0 - self.place if turned else self.place, atol=0.05)
+
+    def test_the_one_that_is_chosen_counts(self) -> None:
+        for active in ("UVMap", "Turned"):
+            for chosen in ("UVMap", "Turned"):
+                self.layers.active, self.obj.rumple_maps.uv_map = self.layers[active], chosen
+                self.check(chosen == "Turned")
+                self.assertEqual(self.layers.active.name, active)
+
+    def test_where_none_is_chosen_it_is_the_one_that_materials_read(self) -> None:
+        self.obj.rumple_maps.uv_map = ""
+        for active in ("UVMap", "Turned"):
+            for read in ("UVMap", "Turned"):
+                self.layers.active, self.layers[read].active_render = self.layers[active], True
+                self.check(read == "Turned")
+
+    def test_one_that_is_gone_is_named(self) -> None:
+        former, before = self.obj.rumple_maps.poses[0].image, everything()
+        self.layers["UVMap"].name = "Skin"
+        with self.assertRaisesRegex(RuntimeError, 'Face: it has no UV map "UVMap": give it its name back'):
+            baked(self.obj)
+        self.assertEqual((self.obj.rumple_maps.poses[0].image, everything()), (former, before))
