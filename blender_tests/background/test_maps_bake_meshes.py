@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 import unittest
+from typing import Any
+from unittest import mock
 
 import bpy
 import numpy as np
+import test_guides
 from rumple.blender import compat
-from support import face
+from rumple.blender.maps import bake
+from support import face, sleeve
 from test_maps_bake import everything, texels
 
 SIZE = 64
@@ -64,3 +68,49 @@ class UvMaps(unittest.TestCase):
         with self.assertRaisesRegex(RuntimeError, 'Face: it has no UV map "UVMap": give it its name back'):
             baked(self.obj)
         self.assertEqual((self.obj.rumple_maps.poses[0].image, everything()), (former, before))
+
+
+class FromAWrinkleMesh(unittest.TestCase):
+    """The map had no fold of the guides, and the points of the viewport's mesh."""
+
+    def setUp(self) -> None:
+        self.obj = sleeve.scene(wrinkles=False)
+        sleeve.make_active(self.obj)
+        bpy.ops.rumple.maps_add()
+        self.obj.rumple_maps.bake_source = "MESH"
+        self.obj.rumple.mesh.density, self.obj.rumple.mesh.level, self.obj.rumple.mesh.display_steps = "LEVEL", 1, 2
+        sleeve.at(sleeve.LAST)
+        bpy.ops.rumple.pose_add(name="Bent")
+        bpy.ops.object.rumple_add(method="MESH")
+        sleeve.at(1)
+
+    def baked(self) -> tuple[np.ndarray, int]:
+        """The map, and how many points the wrinkled copy had."""
+        counts, frozen = [], bake.MapBake._frozen
+
+        def counting(*given: Any) -> bpy.types.Object:
+            made = frozen(*given)
+            counts.append(len(made.data.vertices))
+            return made
+        with mock.patch.object(bake.MapBake, "_frozen", counting):
+            return baked(self.obj), max(counts)
+
+    def test_guides_make_their_folds(self) -> None:
+        bare, _ = self.baked()
+        curve = test_guides.guided(self.obj)
+        self.assertEqual(self.obj.children[:], (curve,))
+        before = everything()
+        guided, _ = self.baked()
+        self.assertEqual(everything(), before)
+        self.assertGreater(np.abs(guided - bare).max(), 0.1)
+        bpy.ops.object.rumple_guide_remove()
+        np.testing.assert_allclose(self.baked()[0], bare, atol=0.01)
+
+    def test_it_is_the_mesh_that_renders_show(self) -> None:
+        points = set()
+        for steps in (0, 1, 2):
+            self.obj.rumple.viewport_steps = steps
+            points.add(self.baked()[1])
+        sleeve.at(1)  # where the last one shows the same in viewports
+        self.assertEqual(points, {len(sleeve.shown(self.obj))})
+        self.assertEqual(self.obj.rumple.viewport_steps, 2)

@@ -18,12 +18,11 @@ from mathutils import Matrix
 
 from ...core.base.wording import UserError
 from .. import compat, scheduler
-from ..frame import rebuild
 from ..nodes import maps_shader
-from ..objects import made_collections, messages, modifier, properties, runtimes, units
+from ..objects import messages, properties, runtimes, units
 from ..translation import said
-from . import (bake_apart, bake_source, changes as maps_changes, export as maps_export, keys as maps_keys,
-               modifier as maps_modifier, operators as maps_operators, posed_rig, rig as maps_rig)
+from . import (bake_apart, bake_meshes, bake_source, changes as maps_changes, export as maps_export, keys as maps_keys,
+               operators as maps_operators, posed_rig, rig as maps_rig)
 
 SAMPLES = 8  # samples per texel, so that wrinkles narrower than a texel are averaged
 SETTLE_ITERATIONS = 100  # from the canonical start: a single frame may take longer
@@ -50,7 +49,7 @@ class MapBake:
         self.done = 0
         self.names: list[str] = []  # of the images
         self.gone: list[str] = []  # poses that are no longer there
-        self.uv_map = _uv_map(obj)
+        self.uv_map = bake_meshes.uv_map(obj)
         if "CYCLES" not in _engines():
             raise UserError("Cycles bakes the maps: switch on its add-on in the preferences")
         self._was_locked = context.scene.render.use_lock_interface
@@ -114,11 +113,13 @@ class MapBake:
         """The coarse and the wrinkled mesh in a reference pose, both without modifiers; and the height of the folds."""
         with ExitStack() as ended:
             rig = posed_rig.PosedRig(self.context, self.obj, pose.bones, ended)
-            coarse, wrinkled = (self._plain_copy(suffix, maps_keys.of_records(pose.keys), ended)
+            keys = maps_keys.of_records(pose.keys)
+            coarse, wrinkled = (bake_meshes.plain_copy(self.obj, self.context.scene, suffix, keys, ended)
                                 for suffix in ("low", "high"))
             for copy in (coarse, wrinkled):
                 rig.lead(copy)
-            ended.callback(_remove_wrinkles, wrinkled)
+            bake_meshes.copy_guides(self.obj, wrinkled, ended)
+            ended.callback(bake_meshes.remove_wrinkles, wrinkled)
             self._add_wrinkles(wrinkled)
             low, high = (self._frozen(copy, ended) for copy in (coarse, wrinkled))
             if rig.astray():
@@ -131,25 +132,6 @@ class MapBake:
                                 "pose: change the pose, or choose another source")
             offsets = compat.read_attribute(high.data.attributes["rumple_offset"])
             yield low, high, float(np.percentile(np.sqrt((offsets * offsets).sum(1)), HIGH_FOLDS))
-
-    def _plain_copy(self, suffix: str, keys: dict[str, float], ended: ExitStack) -> bpy.types.Object:
-        """A copy with only the deforming modifiers, in the artist's scene. Its animation and drivers stay active,
-        except for its shape keys, which keep the stored values. ended: deletes it."""
-        copy = self.obj.copy()
-        ended.callback(_delete, copy)
-        copy.data = self.obj.data.copy()
-        if keys:
-            maps_keys.freeze(copy.data, keys)
-        copy.name = f"{self.obj.name} bake {suffix}"
-        nodes_mod, wrinkles = maps_modifier.find(copy), modifier.find(copy)
-        behind = {m.name for m in list(copy.modifiers)[modifier.place_behind_deforming(copy):]}
-        for name in [m.name for m in copy.modifiers if m in (nodes_mod, wrinkles) or m.name in behind]:
-            copy.modifiers.remove(copy.modifiers[name])
-        copy.rumple.method, copy.show_only_shape_key = "NONE", False
-        self.context.scene.collection.objects.link(copy)
-        copy.hide_set(False)
-        copy.hide_viewport = False
-        return copy
 
     def _add_wrinkles(self, copy: bpy.types.Object) -> None:
         method = self.obj.rumple_maps.bake_source
@@ -182,7 +164,7 @@ class MapBake:
         metres = self.context.scene.unit_settings.scale_length
         mesh.transform(Matrix.Diagonal((*(metres * abs(scale) for scale in copy.matrix_world.to_scale()), 1.0)))
         frozen = bpy.data.objects.new(copy.name, mesh)
-        ended.callback(_delete, frozen)
+        ended.callback(bake_meshes.delete, frozen)
         return frozen
 
     # --- the baker
@@ -191,7 +173,7 @@ class MapBake:
         settings, image = self.obj.rumple_maps, self._new_image(pose.name)
         with ExitStack() as failed, ExitStack() as ended:
             failed.callback(bpy.data.images.remove, image)
-            material = _show_only(low, image)
+            material = bake_meshes.show_only(low, image)
             ended.callback(bpy.data.materials.remove, material)
             if self.uv_map in low.data.uv_layers:
                 uv_map = low.data.uv_layers[self.uv_map]
@@ -239,31 +221,8 @@ class MapBake:
             raise UserError(f"{self.name}: the map {image.name} cannot be saved and is packed: {error}") from error
 
 
-def _uv_map(obj: bpy.types.Object) -> str:
-    """The UV map in which the maps are shown. Raises UserError."""
-    layers, chosen = obj.data.uv_layers, obj.rumple_maps.uv_map
-    if not layers:
-        raise UserError(f"{obj.name}: it has no UV map to bake to: unwrap it in Edit Mode first")
-    if chosen and chosen not in layers:
-        raise UserError(f"{obj.name}: it has no UV map \"{chosen}\": give it its name back, or choose another in "
-                        "Shading")
-    return chosen or next(layer.name for layer in layers if layer.active_render)
-
-
 def _engines() -> set[str]:
     return {"CYCLES"} if hasattr(bpy.types.Scene, "cycles") else set()
-
-
-def _show_only(low: bpy.types.Object, image: bpy.types.Image) -> bpy.types.Material:
-    """Give all faces one material whose active node is the image. The baker writes to this image."""
-    material = bpy.data.materials.new(low.name)
-    compat.use_nodes(material)
-    texture = material.node_tree.nodes.new("ShaderNodeTexImage")
-    texture.image = image
-    material.node_tree.nodes.active = texture
-    low.data.materials.clear()
-    low.data.materials.append(material)
-    return material
 
 
 def _flatten_strays(image: bpy.types.Image) -> None:
@@ -276,22 +235,6 @@ def _flatten_strays(image: bpy.types.Image) -> None:
         texels[strays] = maps_shader.FLAT
         image.pixels.foreach_set(pixels)
         image.update()
-
-
-def _remove_wrinkles(obj: bpy.types.Object) -> None:
-    """Remove the modifier, and the collection that the first click made, unless another object has it too."""
-    if modifier.find(obj) is not None:
-        rebuild.remove_all(obj)
-    worn_over, obj.rumple.body_collection = obj.rumple.body_collection, None
-    if worn_over is not None and worn_over.users == 0 and made_collections.is_ours(worn_over):
-        bpy.data.collections.remove(worn_over)
-
-
-def _delete(obj: bpy.types.Object) -> None:
-    mesh = obj.data
-    bpy.data.objects.remove(obj)
-    if mesh.users == 0:
-        bpy.data.meshes.remove(mesh)
 
 
 class RUMPLE_OT_maps_bake(maps_operators.OnPose, bpy.types.Operator):
