@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import unittest
-from typing import Any
+from typing import Any, Callable
 from unittest import mock
 
 import bpy
@@ -114,3 +114,36 @@ class FromAWrinkleMesh(unittest.TestCase):
         sleeve.at(1)  # where the last one shows the same in viewports
         self.assertEqual(points, {len(sleeve.shown(self.obj))})
         self.assertEqual(self.obj.rumple.viewport_steps, 2)
+
+
+class Shading(unittest.TestCase):
+    """Facets of the mesh were baked as folds, because the wrinkled copy alone was shaded smooth."""
+
+    def check(self, change: Callable[[bpy.types.Mesh], None]) -> None:
+        obj = sleeve.scene(wrinkles=False)
+        sleeve.make_active(obj)
+        bpy.ops.rumple.maps_add()
+        obj.rumple_maps.bake_source = "FIELD"
+        sleeve.at(sleeve.LAST)
+        bpy.ops.rumple.pose_add(name="Bent")
+        smooth = baked(obj)
+        change(obj.data)
+        obj.data.update()
+        np.testing.assert_allclose(baked(obj), smooth, atol=0.01)
+
+    def test_flat_faces(self) -> None:
+        self.check(lambda mesh: mesh.polygons.foreach_set("use_smooth", np.zeros(len(mesh.polygons), bool)))
+
+    def test_sharp_edges(self) -> None:
+        def sharpen(mesh: bpy.types.Mesh) -> None:
+            mesh.edges.foreach_set("use_edge_sharp", np.ones(len(mesh.edges), bool))
+            if compat.HAS_AUTO_SMOOTH:
+                mesh.use_auto_smooth = True
+        self.check(sharpen)
+
+    def test_custom_normals(self) -> None:
+        def lean(mesh: bpy.types.Mesh) -> None:
+            if compat.HAS_AUTO_SMOOTH:
+                mesh.use_auto_smooth = True
+            mesh.normals_split_custom_set_from_vertices(np.tile((0.6, 0.0, 0.8), (len(mesh.vertices), 1)))
+        self.check(lean)

@@ -392,6 +392,18 @@ def smoothing(mesh: bpy.types.Mesh) -> tuple:
     return mesh.use_auto_smooth, math.pi if mesh.has_custom_normals else mesh.auto_smooth_angle
 
 
+def shade_smooth(mesh: bpy.types.Mesh) -> None:
+    """Shade a mesh smooth all over, whatever faces, edges, Auto Smooth and custom normals say."""
+    mesh.polygons.foreach_set("use_smooth", np.ones(len(mesh.polygons), bool))
+    if HAS_AUTO_SMOOTH:
+        mesh.use_auto_smooth = False  # without it neither sharp edges nor custom normals count
+    else:
+        mesh.edges.foreach_set("use_edge_sharp", np.zeros(len(mesh.edges), bool))
+        if mesh.has_custom_normals:
+            mesh.normals_split_custom_set_from_vertices(np.zeros((len(mesh.vertices), 3)))  # zeros: no custom normal
+    mesh.update()
+
+
 def has_custom_normals(mesh: bpy.types.Mesh) -> bool:
     """Whether it has custom split normals, which a fine mesh cannot inherit."""
     return bool(mesh.has_custom_normals)

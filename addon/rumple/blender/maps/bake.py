@@ -125,8 +125,8 @@ class MapBake:
             if rig.astray():
                 raise UserError(f"{self.obj.name}: bone {rig.astray()} of {self.armature.name} does not come to where "
                                 f"pose {pose.name} has it: bring it there with what moves it, then bake")
-            # so that facets are not baked
-            high.data.polygons.foreach_set("use_smooth", np.ones(len(high.data.polygons), bool))
+            for mesh in (low.data, high.data):  # alike, so that the map is flat where there is no fold
+                compat.shade_smooth(mesh)
             if "rumple_offset" not in high.data.attributes:
                 raise UserError(runtimes.message(wrinkled) or f"{self.obj.name}: its wrinkles do not show in this "
                                 "pose: change the pose, or choose another source")
