@@ -10,8 +10,8 @@ from unittest import mock
 
 import bpy
 import numpy as np
-from rumple.blender.maps import bake, bake_apart
-from support import face
+from rumple.blender.maps import bake, bake_apart, operators
+from support import face, sleeve
 from test_maps_bake import texels
 
 
@@ -33,6 +33,40 @@ class SecondBlender(face.TwoPoses, unittest.TestCase):
         for name, expected in zip(("Surprise", "Anger"), here):
             self.assertFalse(self.settings.poses[name].image.is_float)
             np.testing.assert_array_equal(texels(self.settings.poses[name].image), expected)
+
+
+class NotInTheViewLayer(face.TwoPoses, unittest.TestCase):
+    """The active armature names the mesh, which is in another scene, or excluded: the second Blender broke off."""
+
+    def check(self) -> None:
+        self.settings.bake_size = 64
+        self.assertNotIn(self.obj, set(bpy.context.view_layer.objects))
+        self.assertEqual(operators.target(bpy.context), self.obj)
+        self.assertEqual(bpy.ops.rumple.maps_bake(every=True), {"FINISHED"})
+        here = [texels(pose.image) for pose in self.settings.poses]
+        apart = bake_apart.ApartBake(bake.MapBake(bpy.context, self.obj, [0, 1]))
+        try:
+            for _ in apart.steps():
+                time.sleep(0.1)
+        finally:
+            apart.close()
+        for pose, expected in zip(self.settings.poses, here):
+            np.testing.assert_array_equal(texels(pose.image), expected)
+
+    def test_in_another_scene(self) -> None:
+        bpy.context.window.scene = scene = bpy.data.scenes.new("Another")
+        scene.collection.objects.link(self.rig)
+        sleeve.make_active(self.rig)
+        self.check()
+
+    def test_in_an_excluded_collection(self) -> None:
+        scene, collection = bpy.context.scene, bpy.data.collections.new("Face")
+        scene.collection.children.link(collection)
+        collection.objects.link(self.obj)
+        scene.collection.objects.unlink(self.obj)
+        bpy.context.view_layer.layer_collection.children["Face"].exclude = True
+        sleeve.make_active(self.rig)
+        self.check()
 
 
 class Events(unittest.TestCase):

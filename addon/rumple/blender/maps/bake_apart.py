@@ -92,14 +92,15 @@ def _load_addon(scripts: bool) -> None:
 def _main(order: dict[str, Any]) -> None:
     _load_addon(order["scripts"])
     folder, obj = Path(order["folder"]), bpy.data.objects[order["object"]]
-    bpy.context.view_layer.objects.active = obj
     about = obj.rumple_maps
     about.bake_folder, about.bake_size, about.bake_deep = "", order["size"], order["deep"]
     for number, name in enumerate(order["poses"]):
         about.active = about.poses.find(name)
         print(f"{STEP}{name}", flush=True)
         try:
-            bpy.ops.rumple.maps_bake()
+            # as an override, because the object may be in no view layer here: in another scene, or excluded
+            with bpy.context.temp_override(object=obj, active_object=obj):
+                bpy.ops.rumple.maps_bake()
         except RuntimeError as error:  # bpy.ops raises this if an operator reports an error
             (folder / "error").write_text(str(error).removeprefix("Error: ").strip(), encoding="utf-8")
             return
