@@ -11,7 +11,7 @@ import bpy
 import numpy as np
 from mathutils import Euler
 from rumple.blender.maps import pose_operators, posed_rig, stored_poses
-from support import face, keyed_face
+from support import face, keyed_face, sleeve
 from test_maps_bake import everything, texels
 
 SIZE = 64
@@ -117,6 +117,33 @@ class Held(unittest.TestCase):
             baked(self.obj)
         self.assertEqual((self.obj.rumple_maps.poses["Sheared"].image, everything()), (image, before))
         np.testing.assert_array_equal(texels(image), here)
+
+
+class Others(unittest.TestCase):
+    """What else the armature moves: a garment lies on its body in the stored pose, not through it."""
+
+    def test_a_body_comes_to_the_pose_too(self) -> None:
+        obj = sleeve.to_be_cloth()
+        rig = obj.find_armature()
+        sleeve.another("Inner", 0.9)
+        body = bpy.data.objects["Human"]
+        ring = bpy.data.objects.new("Ring", None)
+        bpy.context.scene.collection.objects.link(ring)
+        ring.parent, ring.parent_type, ring.parent_bone = rig, "BONE", rig.data.bones[0].name
+        sleeve.make_active(obj)
+        bpy.ops.rumple.maps_add()
+        obj.rumple_maps.bake_source = "MESH"
+        bpy.context.scene.frame_set(sleeve.LAST)
+        bpy.ops.rumple.pose_add(name="Bent")
+        expected = baked(obj)
+        rig.data.pose_position = "REST"
+        bpy.context.view_layer.update()
+        before = everything()
+        np.testing.assert_allclose(baked(obj), expected, atol=0.01)
+        self.assertEqual(everything(), before)
+        self.assertEqual(([m.object for m in body.modifiers if m.type == "ARMATURE"], body.parent), ([rig], None))
+        self.assertEqual((ring.parent, ring.parent_type, ring.parent_bone), (rig, "BONE", rig.data.bones[0].name))
+        self.assertEqual(bpy.data.objects["Inner"].rumple.message, "")
 
 
 class Bones(unittest.TestCase):

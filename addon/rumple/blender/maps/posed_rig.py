@@ -22,8 +22,8 @@ class PosedRig:
     """An armature in a stored pose."""
 
     def __init__(self, context: bpy.types.Context, obj: bpy.types.Object, records: Any, ended: ExitStack) -> None:
-        """records: the stored bones. ended: removes what is made. The artist's armature is left in the pose, as far as
-        it comes, because it poses other objects too."""
+        """records: the stored bones. ended: undoes it, but leaves the artist's armature in the pose, as far as it
+        comes. What else the armature moves in the scene follows the copy too: a garment lies on its body."""
         self.obj, self.own = obj, obj.find_armature()
         self.posing = self.own
         self._context, self._wanted = context, {}
@@ -36,6 +36,9 @@ class PosedRig:
             self.posing = _free_copy(self.own, context.scene, ended)
             context.view_layer.update()  # makes the bones of the copy
             _place_bones(self.posing, stored_poses.matrices(records, self.own))
+            for other in set(context.scene.objects) - {obj, self.own, self.posing}:
+                _follow(other, self.own, self.posing)
+                ended.callback(_follow, other, self.posing, self.own)
             context.view_layer.update()
 
     def astray(self) -> str:
@@ -48,13 +51,19 @@ class PosedRig:
         """Let this armature pose a copy of the object, also where its modifier is switched off in viewports."""
         if self.own is None:
             return
-        if copy.parent == self.own:
-            copy.parent = self.posing
-        for modifier in copy.modifiers:
-            if modifier.type == "ARMATURE" and modifier.object == self.own:
-                modifier.object = self.posing
-                copy.driver_remove(f'modifiers["{bpy.utils.escape_identifier(modifier.name)}"].show_viewport')
-                modifier.show_viewport = True
+        for modifier in _follow(copy, self.own, self.posing):
+            copy.driver_remove(f'modifiers["{bpy.utils.escape_identifier(modifier.name)}"].show_viewport')
+            modifier.show_viewport = True
+
+
+def _follow(obj: bpy.types.Object, former: bpy.types.Object, new: bpy.types.Object) -> list[bpy.types.Modifier]:
+    """Let an armature move an object in place of another one. Returns the modifiers by which it does."""
+    modifiers = [m for m in obj.modifiers if m.type == "ARMATURE" and m.object == former]
+    for modifier in modifiers:
+        modifier.object = new
+    if obj.parent == former:
+        obj.parent = new
+    return modifiers
 
 
 def _free_copy(armature: bpy.types.Object, scene: bpy.types.Scene, ended: ExitStack) -> bpy.types.Object:
