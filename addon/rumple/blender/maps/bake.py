@@ -124,7 +124,7 @@ class MapBake:
             low, high = (self._frozen(copy, ended) for copy in (coarse, wrinkled))
             if rig.astray():
                 raise UserError(f"{self.obj.name}: bone {rig.astray()} of {self.armature.name} does not come to where "
-                                f"pose {pose.name} has it: bring it there with what moves it, then bake")
+                                f"pose {pose.name} has it: bring it there with what moves it, and bake")
             for mesh in (low.data, high.data):  # alike, so that the map is flat where there is no fold
                 compat.shade_smooth(mesh)
             if "rumple_offset" not in high.data.attributes:
