@@ -125,12 +125,6 @@ def is_editable(data_block: bpy.types.ID) -> bool:
     return data_block.library is None
 
 
-def keeps_nodes(data_block: bpy.types.Material | bpy.types.NodeTree) -> bool:
-    """Whether nodes that are changed stay so. A library override gets those of the linked file again when it is
-    opened."""
-    return is_editable(data_block) and data_block.override_library is None
-
-
 def holds(items: bpy.types.bpy_prop_collection, data_block: bpy.types.ID) -> bool:
     """Whether a collection has this data-block. A local and a linked one may have the same name, and get() finds only
     the first."""
@@ -397,13 +391,7 @@ def shade_smooth(mesh: bpy.types.Mesh) -> None:
     mesh.polygons.foreach_set("use_smooth", np.ones(len(mesh.polygons), bool))
     if HAS_AUTO_SMOOTH:
         mesh.use_auto_smooth = False  # without it neither sharp edges nor custom normals count
-    else:
-        mesh.edges.foreach_set("use_edge_sharp", np.zeros(len(mesh.edges), bool))
-        if mesh.has_custom_normals:
-            mesh.normals_split_custom_set_from_vertices(np.zeros((len(mesh.vertices), 3)))  # zeros: no custom normal
-    mesh.update()
-
-
-def has_custom_normals(mesh: bpy.types.Mesh) -> bool:
-    """Whether it has custom split normals, which a fine mesh cannot inherit."""
-    return bool(mesh.has_custom_normals)
+        return
+    mesh.edges.foreach_set("use_edge_sharp", np.zeros(len(mesh.edges), bool))
+    if mesh.has_custom_normals:
+        mesh.normals_split_custom_set_from_vertices(np.zeros((len(mesh.vertices), 3)))  # zeros: no custom normal

@@ -127,6 +127,7 @@ class MapBake:
                                 f"pose {pose.name} has it: bring it there with what moves it, and bake")
             for mesh in (low.data, high.data):  # alike, so that the map is flat where there is no fold
                 compat.shade_smooth(mesh)
+                mesh.update()
             if "rumple_offset" not in high.data.attributes:
                 raise UserError(runtimes.message(wrinkled) or f"{self.obj.name}: its wrinkles do not show in this "
                                 "pose: change the pose, or choose another source")

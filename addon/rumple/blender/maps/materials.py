@@ -12,7 +12,7 @@ import bpy
 
 from ...core.base.wording import UserError
 from .. import compat
-from ..nodes import maps_shader
+from ..nodes import maps_shader, use_nodes
 from . import modifier as maps_modifier, rig as maps_rig
 
 
@@ -26,7 +26,7 @@ def fill(obj: bpy.types.Object) -> None:
     settings = obj.rumple_maps
     if settings.group is None or not compat.is_editable(obj):
         return
-    if not compat.keeps_nodes(settings.group):
+    if not use_nodes.keeps_nodes(settings.group):
         settings.group = settings.group.copy()
         _replace_linked(obj)
     maps_shader.fill(settings.group, maps_rig.usable_images(obj), settings.maps, settings.uv_map)
@@ -36,9 +36,9 @@ def _replace_linked(obj: bpy.types.Object) -> None:
     """Let the materials that only this object shows have its own group in place of a linked one."""
     others = {material for other, _ in maps_modifier.mapped_objects() if other != obj
               for material in materials_of(other)}
-    for material in set(filter(compat.keeps_nodes, materials_of(obj))) - others:
+    for material in set(filter(use_nodes.keeps_nodes, materials_of(obj))) - others:
         for node in maps_shader.nodes_in(material):
-            if not compat.keeps_nodes(node.node_tree):
+            if not use_nodes.keeps_nodes(node.node_tree):
                 node.node_tree = obj.rumple_maps.group
 
 
@@ -52,7 +52,7 @@ def show(obj: bpy.types.Object) -> None:
     _replace_linked(obj)
     materials = materials_of(obj)
     refused = [_cannot_show(obj, material) for material in _left_behind(obj)]
-    for material in filter(compat.keeps_nodes, materials):
+    for material in filter(use_nodes.keeps_nodes, materials):
         try:
             maps_shader.insert(material, settings.group)
         except UserError as error:
@@ -69,7 +69,7 @@ def hide(obj: bpy.types.Object) -> list[str]:
     for material in materials_of(obj):
         if maps_shader.shown_in(material) != obj.rumple_maps.group or obj.rumple_maps.group is None:
             continue
-        if compat.keeps_nodes(material):
+        if use_nodes.keeps_nodes(material):
             maps_shader.remove(material)
         else:
             refused.append(f"{obj.name}: its material {material.name} is linked from another file and still shows the "
@@ -80,7 +80,7 @@ def hide(obj: bpy.types.Object) -> list[str]:
 def notes(obj: bpy.types.Object) -> list[str]:
     """Warnings about linked materials that show other maps than this object has."""
     group = obj.rumple_maps.group
-    if group is None or not compat.keeps_nodes(group):
+    if group is None or not use_nodes.keeps_nodes(group):
         return []
     return [_cannot_show(obj, material) for material in _left_behind(obj)
             if maps_shader.shown_in(material) is not None]
@@ -90,7 +90,7 @@ def _left_behind(obj: bpy.types.Object) -> list[bpy.types.Material]:
     """The materials that cannot be changed and do not show the object's maps."""
     wanted = _shown_by(obj.rumple_maps.group)
     return [material for material in materials_of(obj)
-            if not compat.keeps_nodes(material) and _shown_by(maps_shader.shown_in(material)) != wanted]
+            if not use_nodes.keeps_nodes(material) and _shown_by(maps_shader.shown_in(material)) != wanted]
 
 
 def _shown_by(group: bpy.types.NodeTree | None) -> Any:

@@ -8,6 +8,7 @@ from ...core.base.wording import UserError
 from ...core.systems.poses import strengths
 from .. import compat
 from ..frame import rebuild as frame_rebuild
+from ..nodes import use_nodes
 from ..nodes.maps_mask_tree import Shape
 from ..objects import messages, modifier
 from . import (comparison as comparisons, hidden_meshes as maps_meshes, modifier as maps_modifier,
@@ -114,7 +115,7 @@ def _split_shared(objects: list[tuple[bpy.types.Object, bpy.types.NodesModifier]
                                   maps_modifier.wrinkles(nodes_mod))
             maps_runtimes.of(obj).stale = True
         group = obj.rumple_maps.group
-        if group is not None and group in seen and compat.keeps_nodes(group):  # a linked one: see materials.py
+        if group is not None and group in seen and use_nodes.keeps_nodes(group):  # a linked one: see materials.py
             obj.rumple_maps.group = group.copy()  # until it has its own materials, they show the original's maps
         seen |= {nodes_mod.node_group, maps_modifier.skin(nodes_mod), obj.rumple_maps.group}
 

@@ -18,6 +18,12 @@ _TAKEN = {"diffuse_color": ("Base Color",), "roughness": ("Roughness",), "metall
           "specular_intensity": ("Specular", "Specular IOR Level")}  # the second name: from Blender 4.0 on
 
 
+def keeps_nodes(data_block: bpy.types.Material | bpy.types.NodeTree) -> bool:
+    """Whether nodes that are changed stay so. A library override gets those of the linked file again when it is
+    opened."""
+    return compat.is_editable(data_block) and data_block.override_library is None
+
+
 def switch_on(material: bpy.types.Material) -> None:
     """Let a material use nodes. A tree that the artist had stays as it is."""
     if compat.uses_nodes(material):

@@ -102,7 +102,7 @@ def ensure(obj: bpy.types.Object, runtime: Runtime, meanwhile: Callable[[], obje
     build.properties = _properties(obj, now.settings)
     runtime.forget_inputs()  # the former evaluator solved them, so drawing must wait
     runtime.notes = list(runtime.evaluator.warnings)
-    if compat.has_custom_normals(incoming_mesh.of(obj)):
+    if incoming_mesh.of(obj).has_custom_normals:
         runtime.notes.append(f"{obj.name}: custom normals are not carried to the fine mesh")
     runtime.evaluator.frame_cache.limit_bytes = obj.rumple.memory_limit << 20
 
