@@ -147,6 +147,9 @@ class Files(face.TwoPoses, unittest.TestCase):
         self.assertFalse([o for o in bpy.data.objects if maps_meshes.KEY in o])
         self.assertFalse([g for g in bpy.data.node_groups if maps_modifier.is_ours(g) or maps_shader.is_ours(g)])
         self.assertEqual([pose.name for pose in self.settings.poses], ["Surprise", "Anger"])
+        face.pose(self.rig, brow_L=0.01, brow_R=0.01)
+        scheduler.sync_all()
+        self.assertEqual(self.settings.poses["Surprise"].present, 1.0)  # a bar may still be drawn: it was an error
         bpy.ops.rumple.maps_add()
         face.pose(self.rig, brow_L=0.01, brow_R=0.01)
         self.assertEqual(self.settings.poses["Surprise"].present, 1.0)

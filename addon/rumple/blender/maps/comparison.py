@@ -44,6 +44,8 @@ def _fingerprint(rig: PoseRig, weights: SkinWeights, at_rest: np.ndarray) -> str
 def _order_notes(obj: bpy.types.Object) -> list[str]:
     """Warnings if modifiers before or after ours change the mesh that the masks are for."""
     nodes_mod, stack = maps_modifier.find(obj), list(obj.modifiers)
+    if nodes_mod is None:
+        return []  # the poses stay when the modifier is removed, and a list may still draw their bars
     wrinkles = modifier.find(obj)
     if wrinkles is not None and stack.index(nodes_mod) < stack.index(wrinkles):
         return [f"{obj.name}: {wrinkles.name} is below {nodes_mod.name} in the stack, so the masks are lost: move it "

@@ -14,7 +14,7 @@ from ...core.base.wording import UserError
 from ...core.files.checkpoint import carry_frames
 from ...core.frame import engine
 from ...core.settings.system_settings import FieldSettings, MeshSettings
-from .. import compat, scheduler
+from .. import scheduler
 from . import incoming_mesh, mesh_reader, messages, modifier, properties, rig_scale, subdivision_behind, units
 from .building import PATIENCE, Building
 from .runtimes import Runtime
