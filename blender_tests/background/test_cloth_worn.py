@@ -224,9 +224,11 @@ class Over(Cloth):
             np.testing.assert_array_equal(played(self.outer, 6)[6], first)
 
     def test_it_lies_outside_of_the_inner_ones_folds(self) -> None:
-        for frame in range(1, 9):
-            sleeve.at(frame)
-            self.assertLess(depth(self.inner, sleeve.shown(self.outer)), 1e-3, f"frame {frame}")
+        for layers in ("CLOTH", "ONE"):
+            self.inner.rumple.mesh.layers = layers
+            for frame in range(1, 9):
+                sleeve.at(frame)
+                self.assertLess(depth(self.inner, sleeve.shown(self.outer)), 1e-3, f"{layers}, frame {frame}")
 
     def test_deleting_the_inner_one_leaves_no_error(self) -> None:
         for delete in (lambda: bpy.data.objects.remove(self.inner), bpy.ops.object.delete,

@@ -115,7 +115,8 @@ class AtOnce(unittest.TestCase):
                 for number in range(PEOPLE):
                     under = runtimes.of(bpy.data.objects[f"Under {number}"])
                     over = runtimes.of(bpy.data.objects[f"Over {number}"])
-                    surface = under.evaluator.worn_surface(float(frame), under.inputs.positions)
+                    inputs = under.inputs
+                    surface = under.evaluator.worn_surface(float(frame), inputs.positions, inputs.settings)
                     np.testing.assert_allclose(over.inputs.body.positions, surface.positions, atol=1e-6)
 
     def test_an_error_is_that_of_its_garment_alone(self) -> None:

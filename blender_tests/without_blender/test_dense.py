@@ -159,7 +159,7 @@ class Dense(unittest.TestCase):
 
     def test_another_garment_can_lie_on_it(self) -> None:
         self.solve(1, 0.9)
-        worn = self.mesh.worn_surface(1.0, pushed_together(self.base, 0.9))
+        worn = self.mesh.worn_surface(1.0, pushed_together(self.base, 0.9), self.settings)
         self.assertLess(worn.triangles.max(), len(worn.positions))
         self.assertLess(abs(np.ptp(worn.positions[:, 2]) - 0.9 * LENGTH), settings_of(self.base).slide_room)
 

@@ -275,13 +275,32 @@ class OnCloth(unittest.TestCase):
     def test_the_status_and_the_surface_that_others_lie_on_are_those_of_the_cloth(self) -> None:
         for settings in KINDS.values():
             fine = self.build(settings)
-            self.assertIsNone(fine.worn_surface(5.0, self.clip[5]))
+            self.assertIsNone(fine.worn_surface(5.0, self.clip[5], settings))
             picture = self.solve(fine, 5, on_cloth(settings))
             self.assertTrue(any("Base cloth" in line for line in fine.status(picture)))
             self.assertEqual(len(fine.status(self.solve(self.build(settings), 5, settings))) + 1,
                              len(fine.status(picture)))
-            np.testing.assert_array_equal(fine.worn_surface(5.0, self.clip[5]).positions,
-                                          fine.solved_over(5.0, self.clip[5]))
+
+    def test_what_others_lie_on_is_the_cloth_with_the_height_of_the_folds_around(self) -> None:
+        """A shirt showed the folds of the trousers under it, where these were only in the picture."""
+        for name in ("FIELD", "SHADED", "PATHS"):
+            settings, at_once = KINDS[name], dict(fade=0.0, growth_limit=100.0) if name == "PATHS" else {}
+            fine, flat, hung = self.build(settings), self.build(settings), on_cloth(settings, **at_once)
+            no_folds = replace(hung, **{"height" if at_once else "strength": 0.0})
+            for frame in range(1, 6):
+                shown = self.solve(fine, frame, hung)
+                self.solve(flat, frame, no_folds)
+            cloth = fine.solved_over(5.0, self.clip[5])
+            worn = fine.worn_surface(5.0, self.clip[5], hung)
+            np.testing.assert_array_equal(flat.worn_surface(5.0, self.clip[5], no_folds).positions, cloth)
+            if name == "SHADED":
+                np.testing.assert_array_equal(worn.positions, cloth)
+                continue
+            radius, around = np.linalg.norm(shown.positions[:, :2], axis=1), fine.model.shown.triangle_vertex
+            of_cloth, of_worn = (np.linalg.norm(one[around][..., :2], axis=2).max(axis=1)
+                                 for one in (cloth, worn.positions))
+            self.assertGreater((radius - of_cloth).max(), 1e-3, f"{name} has no folds")
+            self.assertLess((radius - of_worn).max(), 2e-4, name)
 
     def test_the_smooth_cloth_stays_off_a_body_that_it_would_cut_through(self) -> None:
         """The body has ridges half-way between the rings of the cloth, whose vertices know nothing of them."""

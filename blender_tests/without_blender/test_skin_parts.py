@@ -149,13 +149,13 @@ class Skin(unittest.TestCase):
                 for frame in (1.0, 2.0, 3.0):
                     pose = leant(base.positions) + np.float32(0.03 * frame)
                     solve_frame(mesh, frame, pose, settings, {}, start=1, world_from_object=np.eye(3))
-                worn = mesh.worn_surface(3.0, pose)
+                worn = mesh.worn_surface(3.0, pose, settings)
                 assert worn is not None
                 hand = pose[:self.own] if base is dense else pose[-self.own:]
                 np.testing.assert_array_equal(worn.positions[:self.own], hand)
                 self.assertEqual(int(worn.triangles.max()), len(worn.positions) - 1)
                 self.assertGreater(len(worn.triangles), len(HAND.triangles) + len(SLEEVE.triangles) // 2)
-                again = mesh.worn_surface(3.0, pose)
+                again = mesh.worn_surface(3.0, pose, settings)
                 assert again is not None
                 self.assertIs(again.triangles, worn.triangles)
 

@@ -5,11 +5,13 @@ from __future__ import annotations
 import os
 import unittest
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any, Iterator
 
 import numpy as np
 import rumple_native as native
 from rumple.core.mesh.base_mesh import BaseMesh
+from rumple.core.systems.wrinkle_paths import crest_heights
 from support.meshes import compressed, tube
 
 DATA = Path(os.environ.get("RUMPLE_DATA", "../shared/data"))
@@ -87,6 +89,22 @@ class StoredStates(unittest.TestCase):
         np.testing.assert_array_equal(lists.ends[:, 3], curves.width)
         np.testing.assert_array_equal(lists.ends[:, 7], curves.height)
         np.testing.assert_allclose(np.linalg.norm(lists.ends[:, 4:7], axis=1), 1.0, atol=1e-5)
+
+    def test_around_a_vertex_the_highest_fold_counts_that_reaches_a_triangle_there(self) -> None:
+        """Two folds of two pieces and of one: 0 to 3 mm, then 3 to 1; and 5 to 2. The first piece reaches triangle 0,
+        both of the first fold reach triangle 1, none triangle 2, and the last one triangle 3."""
+        ends = np.zeros((5, 8), np.float32)
+        ends[:, -1] = (0.0, 3.0, 1.0, 5.0, 2.0)
+        drawing = SimpleNamespace(ends=ends, ranges=np.array([[0, 1], [0, 2], [3, 4]], np.int32),
+                                  triangle_start=np.array([0, 1, 2, 2, 3], np.int32), hem=np.ones(7, np.float32))
+        drawing.lists = drawing
+        corners = np.array([[0, 1, 2], [1, 2, 3], [2, 3, 4], [4, 5, 3]], np.int32)
+        np.testing.assert_array_equal(crest_heights(drawing, corners), [3.0, 3.0, 3.0, 5.0, 5.0, 5.0, 0.0])
+        drawing.ends = ends[:3]
+        drawing.ranges, drawing.triangle_start = np.array([[1, 2]], np.int32), np.array([0, 0, 0, 0, 1], np.int32)
+        np.testing.assert_array_equal(crest_heights(drawing, corners), [0.0, 0.0, 0.0, 3.0, 3.0, 3.0, 0.0])
+        drawing.ranges, drawing.triangle_start = np.zeros((0, 2), np.int32), np.zeros(5, np.int32)
+        self.assertFalse(crest_heights(drawing, corners).any())
 
     def test_choices_go_by_name(self) -> None:
         for name, choices in (("reference", ("REST", "FIRST_FRAME", "STATIC_REST")),

@@ -245,7 +245,7 @@ def _folded(body: bpy.types.Object, frame: float) -> Body | None:
         return None
     if runtime.inputs is None or runtime.inputs.frame != frame:
         return None
-    return runtime.evaluator.worn_surface(frame, runtime.inputs.positions)
+    return runtime.evaluator.worn_surface(frame, runtime.inputs.positions, runtime.inputs.settings)
 
 
 def _plain(body: bpy.types.Object, worn: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> Body | None:

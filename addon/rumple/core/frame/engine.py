@@ -354,20 +354,22 @@ class Wrinkles(SystemSteps):
         return (f"{self.name}: frame {frame:g} was reached by a jump, so its cloth hangs and does not swing: play from "
                 f"frame {start}, or bake")
 
-    def worn_surface(self, frame: float, positions: np.ndarray) -> Body | None:
+    def worn_surface(self, frame: float, positions: np.ndarray, settings: SystemSettings) -> Body | None:
         """The surface that another garment lies on in a stored frame, object space. None: the animated coarse mesh.
-        positions: of the animated coarse mesh in this frame."""
-        worn = self._worn_cloth(frame)
+        positions: of the animated coarse mesh in this frame. settings: of this frame."""
+        worn = self._worn_cloth(frame, positions, settings)
         if worn is None or self.base.rigid is None:
             return worn
         return self._worn_skin.joined(self.base.points(positions), worn)
 
-    def _worn_cloth(self, frame: float) -> Body | None:
+    def _worn_cloth(self, frame: float, positions: np.ndarray, settings: SystemSettings) -> Body | None:
         """Like worn_surface(), without skin in the garment's own mesh."""
         cloth = self._cloth_at(frame)
         if cloth is None or len(cloth.positions) != len(self.base.positions):  # solved on a coarser mesh
             return None
-        return Body(cloth.positions, self.base.triangles)
+        pose, state = self._pose_at(frame, positions), self.wrinkles_of(frame)
+        crests = self._crests(settings, cloth.positions, pose, state)
+        return Body(cloth.positions if crests is None else cloth.positions + crests, self.base.triangles)
 
     @functools.cached_property
     def _worn_skin(self) -> OwnSkin:

@@ -161,6 +161,14 @@ class WrinkleField(Wrinkles):
         own.update({name: self.on_corners(values) if len(values) else nothing for name, values in corners.items()})
         return self._result(shown, frame_input, **own)
 
+    def _crests(self, settings: FieldSettings, positions: np.ndarray, pose: Any, state: Any) -> np.ndarray | None:
+        if settings.output == "SHADING":
+            return None  # these waves have no height
+        waves = kernels.shown_waves_wrinkle_field(self.model, self._native_settings(settings),
+                                                  native_profile(settings.profile, self._drawn), self._paint, positions,
+                                                  state)
+        return (waves.height[:, None] * waves.normals)[self.model.welded_of]
+
     def _native_settings(self, settings: FieldSettings) -> Any:
         options = kernels.WrinkleFieldSettings()
         for name in ("strength", "buckling_threshold", "rate", "rounds", "start_rounds", "irregularity", "seed",

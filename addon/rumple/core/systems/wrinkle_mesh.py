@@ -263,13 +263,24 @@ class WrinkleMesh(Wrinkles):
         return kernels.measure_wrinkle_mesh(self.model, native_settings(settings), self._paint,
                                             self.base.points(positions), cached.state)
 
-    def _worn_cloth(self, frame: float) -> Body | None:
+    def _worn_cloth(self, frame: float, positions: np.ndarray, settings: Any) -> Body | None:
         state = self.wrinkles_of(frame) if self.layer_count else None
         if state is None:
-            return super()._worn_cloth(frame)
+            return super()._worn_cloth(frame, positions, settings)
         if self._finest is None:
             self._finest = self.model.finest_triangles
         return Body(state.solved, self._finest)
+
+    def _crests(self, settings: MeshSettings, positions: np.ndarray, pose: Any, state: Any) -> np.ndarray | None:
+        if self.layer_count:
+            return None  # _worn_cloth() has the folds themselves
+        shown = kernels.show_wrinkle_mesh(self.model, native_settings(settings), pose, state)
+        normals = self.model.weld_pose(positions)[1][self.model.welded_of]
+        heights, around = np.zeros(len(positions), np.float32), self.model.shown.triangle_vertex
+        for corner in around.T:
+            x, y, z = (shown.offset * normals[corner]).T
+            np.maximum.at(heights, corner, x + y + z)
+        return heights[:, None] * normals
 
     def _keeps_off_bodies(self) -> bool:
         return self.layer_count > 0

@@ -45,6 +45,19 @@ def cloth_defaults(base: BaseMesh, unit_scale: float) -> dict[str, Any]:
     return dict(threshold=CLOTH_THRESHOLD, width=float(f"{width:.2g}"))
 
 
+def crest_heights(drawing: kernels.WrinklePathsDrawing, triangle_vertex: np.ndarray) -> np.ndarray:
+    """(w,) float32: for every welded vertex the height of the highest fold that reaches a triangle around it, object
+    units. triangle_vertex: (t, 3) int32, welded vertices of the triangles."""
+    lists, heights = drawing.lists, np.zeros(len(drawing.hem), np.float32)
+    if not len(lists.ranges):
+        return heights
+    at_ends = np.append(lists.ends[:, -1], np.float32(0.0))  # a range may include the last end
+    of_ranges = np.maximum.reduceat(at_ends, (lists.ranges + (0, 1)).ravel())[::2]
+    triangles = np.repeat(np.arange(len(triangle_vertex)), np.diff(lists.triangle_start))
+    np.maximum.at(heights, triangle_vertex[triangles], of_ranges[:, None])
+    return heights
+
+
 class WrinklePaths(Wrinkles):
     """Folds traced over the base, on a fine mesh."""
 
@@ -130,6 +143,14 @@ class WrinklePaths(Wrinkles):
         drawing = kernels.draw_wrinkle_paths(self.model, self._native_settings(settings), pose, state)
         off = positions - frame_input.animated if frame_input.cloth is not None else np.float32(0.0)
         return PreviewFrame(drawing, (drawing.proxy_offset + off)[:self.coarse_count])
+
+    def _crests(self, settings: PathsSettings, positions: np.ndarray, pose: Any, state: Any) -> np.ndarray | None:
+        drawing = kernels.draw_wrinkle_paths(self.model, self._native_settings(settings), pose, state)
+        welded = self.model.triangle_vertex
+        heights = drawing.hem * crest_heights(drawing, welded)
+        crests = np.zeros_like(positions)
+        crests[self.base.triangles] = (heights[:, None] * drawing.normal)[welded]
+        return crests
 
     def _native_settings(self, settings: PathsSettings) -> Any:
         options = kernels.WrinklePathsSettings()
