@@ -72,7 +72,7 @@ CLIPS = {
     "walk": Clip("S1_walk_shirt", ("trousers", "shirt"), (30, 120), distance=4.6, view=WALKING, raised=0.1),
     "jump": Clip("S2_squat_trousers", ("trousers", "sweater"), (15, 95), distance=5.2, view=WALKING, raised=0.14),
     "suit": Clip("male_elegantsuit01", ("male_elegantsuit01",), (2, 40),
-                 (BARE, Column("Wrinkle Mesh, wool", "MESH", "WOOL")), distance=3.6, view=FRONT, raised=0.3,
+                 (BARE, Column("Wrinkle Mesh, suit", "MESH", "SUIT")), distance=3.6, view=FRONT, raised=0.3,
                  looks_at=("Body",), folder=OUTFITS),
     "sit": Clip("sit", ("Trousers", "Shirt"), (5, 64), distance=4.6, view=(0.9, -1.0, 0.15), looks_at=("Mannequin",),
                 size=(300, 380)),

@@ -25,7 +25,7 @@ OUTFITS = ("female_casualsuit01", "female_casualsuit02", "female_elegantsuit01",
            "male_casualsuit01", "male_casualsuit02", "male_casualsuit03", "male_casualsuit04", "male_casualsuit05",
            "male_casualsuit06", "male_elegantsuit01", "male_worksuit01")
 WELDED = ("male_welded",)  # one mesh: the clothes are faces of the figure. Rendered only where it is named
-FABRICS = {"female_sportsuit01": "STRETCH"}  # the others: as the click leaves them
+FABRICS = {"female_sportsuit01": "STRETCH", "male_elegantsuit01": "SUIT"}  # the others: as the click leaves them
 FRAMES, SHOWN = 66, (1, 30, 48, 66)
 TILE, OVERVIEW_WIDTH = (360, 480), 190  # pixels
 X, Y, Z = Vector((1.0, 0.0, 0.0)), Vector((0.0, 1.0, 0.0)), Vector((0.0, 0.0, 1.0))

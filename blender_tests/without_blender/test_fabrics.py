@@ -39,7 +39,7 @@ class Fabrics(unittest.TestCase):
     def test_files_know_presets_by_these_numbers(self) -> None:
         numbers = lambda presets: {key: preset.number for key, preset in presets.items()}
         self.assertEqual(numbers(MESH_PRESETS), dict(COTTON=0, DENIM=1, LEATHER=2, SILK=3, SKIN=4, PAPER=5, JERSEY=6,
-                                                     WOOL=7, STRETCH=8))
+                                                     WOOL=7, STRETCH=8, SUIT=9))
         self.assertEqual(numbers(PATHS_PRESETS), dict(COTTON=0, SILK=1, WOOL=2, LEATHER=3))
 
     def test_the_limpest_cloth_can_still_be_solved(self) -> None:

@@ -32,7 +32,7 @@ VIEW, DISTANCE, LENS = Vector((1.0, -0.75, 0.12)).normalized(), 1.15, 85.0
 TARGET = (0.0, 0.0, 0.03)  # metres beside the elbow
 
 
-FOREHEAD = (800, 110, 1130, 440)  # of the lesson's picture
+FOREHEAD = (940, 120, 1140, 320)  # of the lesson's picture
 WAVES = 0.03  # metres from one to the next
 
 

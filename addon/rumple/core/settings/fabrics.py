@@ -38,6 +38,7 @@ FABRICS = {
     "JERSEY": Fabric(mass=0.187, rigidity=19e-6, slack=1.0),
     "SILK": Fabric(mass=0.069, rigidity=3e-6, slack=1.05),
     "WOOL": Fabric(mass=0.4, rigidity=80e-6, slack=1.04),
+    "SUIT": Fabric(mass=0.45, rigidity=240e-6),
     "DENIM": Fabric(mass=0.324, rigidity=80e-6, slack=1.05),
     "STRETCH": Fabric(mass=0.204, rigidity=56e-6, slack=0.95),
     "LEATHER": Fabric(mass=0.6, rigidity=377e-6, slack=1.06),

@@ -49,6 +49,8 @@ MESH_PRESETS = {
     "SILK": of_fabric(3, "Silk", "Light and flowing: many soft, deep folds", "SILK",
                       dict(bending=0.35, stretch_relief=0.15), old_fold_width=1.0),
     "WOOL": of_fabric(7, "Wool", "Thick and soft: broad round folds", "WOOL", dict(bending=0.95)),
+    "SUIT": of_fabric(9, "Suit", "Wool on canvas: it keeps its shape, with a few broad pulls: jackets, coats", "SUIT",
+                      dict(bending=1.0, stretch_relief=0.5)),
     "DENIM": of_fabric(1, "Denim", "Fewer, broader, stiffer folds: jeans", "DENIM",
                        dict(bending=0.6, compression_limit=1.25), old_fold_width=2.0),
     "LEATHER": of_fabric(2, "Leather", "Stiff: few wide rolls, nothing fine", "LEATHER",
