@@ -105,4 +105,4 @@ def possible() -> list[str]:
 
 if __name__ == "__main__":
     wanted = sys.argv[1].split(",") if len(sys.argv) > 1 else list(CLIPS)
-    print("\n".join(name for name in possible() if name in wanted), end="\n" if wanted else "")
+    print("".join(f"{name}\n" for name in possible() if name in wanted), end="")

@@ -319,6 +319,22 @@ class OnCloth(unittest.TestCase):
         self.assertLess(least[False], 0.0503)
         self.assertGreater(least[True], 0.0503 + 1e-3)
 
+    def test_waves_do_not_go_into_a_body_between_the_vertices(self) -> None:
+        """The waves were only as deep as the cloth had room at its vertices, and a thigh came through jeans as specks.
+        The body is a tube with a rib between two columns of vertices, and as much room at these as the waves need."""
+        body, column = tube(140, 20), np.pi / 14.0
+        angle = np.arctan2(body.positions[:, 1], body.positions[:, 0])
+        on_rib = np.abs(angle - column) < 0.5 * column
+        body.positions[:, :2] *= np.where(on_rib, 0.047, 0.036)[:, None] / 0.05
+        worn = Body(body.positions, np.ascontiguousarray(body.corner_vertex[body.triangle_corner]))
+        settings = on_cloth(FIELD, gravity=0.0)
+        fine = self.build(settings)
+        shown = [self.solve(fine, frame, settings, body=worn).positions for frame in range(1, 6)][-1]
+        beside = np.abs(np.arctan2(shown[:, 1], shown[:, 0]) - column)
+        radius = np.linalg.norm(shown[:, :2], axis=1)
+        self.assertGreater(radius[beside < 0.2 * column].min(), 0.047)
+        self.assertLess(radius[beside > 3.0 * column].min(), 0.042)
+
 
 def heights(picture: FrameResult) -> np.ndarray:
     """(d,) of the waves over the cloth of a tube along z, positive outwards."""

@@ -39,7 +39,7 @@ rumple_status rumple_cloth_cover_lift(const rumple_cloth_cover* cover,
                                       const rumple_cloth_cover_settings* settings,
                                       const rumple_bodies* bodies, const float* positions,
                                       size_t positions_count, const int32_t* hints, size_t hints_count,
-                                      float* lifts, size_t lifts_count) {
+                                      float* lifts, size_t lifts_count, float* room, size_t room_count) {
     return guarded([&] {
         const rumple_cloth_cover& c = given(cover, "cover");
         const auto options = native_of<CoverSettings>(settings, "settings");
@@ -48,7 +48,10 @@ rumple_status rumple_cloth_cover_lift(const rumple_cloth_cover* cover,
         const auto points = vectors(positions, positions_count, "positions");
         const auto near = values(hints, hints_count, "hints");
         const auto out = output<Vec3>(lifts, lifts_count, points.size(), "lifts");
-        write(sound(lifts_over(c.surface, c.cover, options, *worn_over, points, near)), out);
+        const auto room_out = output<float>(room, room_count, points.size(), "room");
+        const Cover found = cover_over(c.surface, c.cover, options, *worn_over, points, near);
+        write(sound(found.lifts), out);
+        write(found.room, room_out);
     });
 }
 

@@ -199,11 +199,12 @@ void lift_cover(World& world, Bytes& bytes) {
     std::vector<std::int32_t> near(vertices, 0);
     for (int k = bytes.below(4); k > 0; --k) near[size_t(bytes.below(int(vertices)))] = bytes.whole(-1, 4);
     const Numbers hints(near, 1, bytes);
-    Written lifts(vertices, 3, bytes);
-    lifts.check(
-        CALL(rumple_cloth_cover_lift, cover ? cover->handle : nullptr, &settings, &worn_over,
-             positions.pointer, positions.count, hints.pointer, hints.count, lifts.pointer(), lifts.count),
-        "lifts");
+    Written lifts(vertices, 3, bytes), room(vertices, 1, bytes);
+    const rumple_status status = CALL(rumple_cloth_cover_lift, cover ? cover->handle : nullptr, &settings,
+                                      &worn_over, positions.pointer, positions.count, hints.pointer,
+                                      hints.count, lifts.pointer(), lifts.count, room.pointer(), room.count);
+    lifts.check(status, "lifts");
+    room.check(status, "room");
 }
 
 void untangle_cloth(World& world, Bytes& bytes) {

@@ -178,7 +178,8 @@ TEST(BaseClothContact, ThreadsChangeNoBit) {
         const Result first = garment.solve(loose(), garment.mesh.positions, nullptr, {}, &posed);
         const Result next = garment.solve(loose(), pose, &first.state, {}, &posed);
         const Points lifted =
-            lifts_over(garment.model->surface, cover, {}, posed, garment.mesh.positions, next.body_hint);
+            cover_over(garment.model->surface, cover, {}, posed, garment.mesh.positions, next.body_hint)
+                .lifts;
         if (threads == 1) {
             alone = next;
             lifted_alone = lifted;

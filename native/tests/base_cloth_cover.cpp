@@ -33,7 +33,7 @@ struct Wrapped {
         return mesh;
     }
     Points covered(const CoverSettings& settings = {}) const {
-        const Points lifts = lifts_over(surface, cover, settings, bodies, positions, hints);
+        const Points lifts = cover_over(surface, cover, settings, bodies, positions, hints).lifts;
         Points out = positions;
         for (size_t v = 0; v < out.size(); ++v) out[v] += lifts[v];
         return out;
@@ -75,8 +75,36 @@ TEST(BaseClothCover, TheBorderOfABodyBetweenTheTestedPointsIsCovered) {
     const PosedCollider bodies(collider, scrap.positions);
     const std::vector<Index> hints(sheet.positions.size(), 0);
     const CoverSettings settings{.thickness = 0.002f};
-    const Points lifts = lifts_over(surface, build_cover(surface), settings, bodies, sheet.positions, hints);
+    const Points lifts =
+        cover_over(surface, build_cover(surface), settings, bodies, sheet.positions, hints).lifts;
     EXPECT_GT(lifts[4].z, 0.001f);  // the vertex in the middle
+}
+
+// A sheet 8 mm over the ground, with a bump between two of its vertices that is 5 mm high: folds of a Wrinkle
+// Field went into what is as high as this bump, because they knew the room at the vertices only.
+TEST(BaseClothCover, RoomForFoldsIsThatBetweenTheVerticesToo) {
+    const MeshData sheet = grid(4, 4, 0.03f);
+    const Surface surface = tests::build(sheet);
+    Body ground{{{-1.0f, -1.0f, -0.008f}, {2.0f, -1.0f, -0.008f}, {-1.0f, 2.0f, -0.008f}}, {{0, 1, 2}}};
+    const auto room_over = [&](const Body& body) {
+        const Collider collider = body.collider();
+        const PosedCollider bodies(collider, body.positions);
+        const std::vector<Index> hints(sheet.positions.size(), 0);
+        const Cover found =
+            cover_over(surface, build_cover(surface), {.thickness = 0.002f}, bodies, sheet.positions, hints);
+        for (const Vec3& lift : found.lifts) EXPECT_EQ(lift, Vec3(0.0f));
+        return found.room;
+    };
+    for (const float room : room_over(ground)) EXPECT_NEAR(room, 0.006f, 1e-6f);
+    const Vec3 top(0.045f, 0.06f, -0.003f);  // half-way from vertex 11 to vertex 12
+    for (const Vec3& p : {top, top + Vec3(0.002f, 0.0f, 0.0f), top + Vec3(0.0f, 0.002f, 0.0f)})
+        ground.positions.push_back(p);
+    ground.triangles.push_back({3, 4, 5});
+    const std::vector<float> room = room_over(ground);
+    EXPECT_NEAR(room[11], 0.001f, 1e-6f);
+    EXPECT_NEAR(room[12], 0.001f, 1e-6f);
+    EXPECT_NEAR(room[0], 0.006f, 1e-6f);
+    EXPECT_NEAR(room[24], 0.006f, 1e-6f);
 }
 
 TEST(BaseClothCover, WhatIsOffTheBodyStaysToTheBit) {

@@ -216,8 +216,10 @@ def build_cloth_cover(surface: Surface) -> ClothCover:
 
 
 def cover_bodies(surface: Surface, cover: ClothCover, collider: Collider, body_positions: np.ndarray,
-                 positions: np.ndarray, hints: np.ndarray, thickness: float, depth: float) -> np.ndarray:
-    """(n, 3) float32: how far every vertex must move outwards to keep the smooth surface off the bodies.
+                 positions: np.ndarray, hints: np.ndarray, thickness: float,
+                 depth: float) -> tuple[np.ndarray, np.ndarray]:
+    """(n, 3) float32: how far every vertex must move outwards to keep the smooth surface off the bodies; (n,) float32,
+    object units: how far folds around it may go inwards then, 0 where it was lifted, 1e8 where no body is near.
 
     positions: (n, 3) float32 of the cloth, object space. hints: (n,) int32, a triangle of the collider near it or -1.
     thickness, depth: object units; cloth deeper inside than depth is not pushed out.
@@ -227,10 +229,10 @@ def cover_bodies(surface: Surface, cover: ClothCover, collider: Collider, body_p
     settings = lib.rumple_cloth_cover_settings_default()
     settings.thickness, settings.depth = thickness, depth
     place, count = given(positions, "positions", FLOAT, 3)
-    lifts = new(FLOAT, count, 3)
+    lifts, room = new(FLOAT, count, 3), new(FLOAT, count)
     lib.rumple_cloth_cover_lift(cover, settings, bodies(collider, body_positions), place, count,
-                                *given(hints, "hints", INT), address(lifts), count)
-    return lifts
+                                *given(hints, "hints", INT), address(lifts), count, address(room), count)
+    return lifts, room
 
 
 def untangle_cloth(surface: Surface, animated: np.ndarray, positions: np.ndarray) -> np.ndarray:

@@ -224,13 +224,16 @@ typedef struct rumple_cloth_cover_settings {
 } rumple_cloth_cover_settings;
 RUMPLE_API rumple_cloth_cover_settings rumple_cloth_cover_settings_default(void);
 
-// How far every vertex must move outwards. positions: (n, 3) of the cloth. hints: (n), a triangle of the
-// collider near each vertex, or -1. lifts: (n, 3), written. Cost: about 1 us per point with a hint.
+// How far every vertex must move outwards, and how far folds around it may go inwards then. positions: (n, 3)
+// of the cloth. hints: (n), a triangle of the collider near each vertex, or -1. lifts: (n, 3), written. room:
+// (n), object units, written: 0 where the cloth was lifted, 1e8 where no body is near. Cost: about 1 us per
+// point with a hint.
 RUMPLE_API rumple_status rumple_cloth_cover_lift(const rumple_cloth_cover* cover,
                                                  const rumple_cloth_cover_settings* settings,
                                                  const rumple_bodies* bodies, const float* positions,
                                                  size_t positions_count, const int32_t* hints,
-                                                 size_t hints_count, float* lifts, size_t lifts_count);
+                                                 size_t hints_count, float* lifts, size_t lifts_count,
+                                                 float* room, size_t room_count);
 
 // The positions of the cloth without triangles that are turned over there and not in the animation: vertices
 // around them get the mean displacement of their neighbours. animated, positions: (n, 3). untangled: (n, 3),

@@ -2,6 +2,7 @@
 #include "surface/cloth/cover.h"
 
 #include <algorithm>
+#include <limits>
 
 #include "base/expect.h"
 #include "base/smooth_step.h"
@@ -30,32 +31,40 @@ float half_side(const std::array<Index, 3>& corners, std::span<const Vec3> posit
                      glm::distance(positions[c], positions[a])});
 }
 
-// How far a point of the surface must move outwards. spacing: distance of the next tested points.
-float lift_of(const CoverSettings& settings, const PosedCollider& bodies, const Vec3& point,
-              const Vec3& normal, const Vec3& rest, Index hint, float spacing) {
+// A point of the surface, or all points around a vertex.
+struct Clearance {
+    float lift = 0.0f;                                    // how far it must move outwards
+    float room = std::numeric_limits<float>::infinity();  // how far it may move inwards
+};
+
+// spacing: distance of the next tested points.
+Clearance clearance_of(const CoverSettings& settings, const PosedCollider& bodies, const Vec3& point,
+                       const Vec3& normal, const Vec3& rest, Index hint, float spacing) {
     const float length = glm::length(normal);
-    if (length < kShortestNormal) return 0.0f;
+    if (length < kShortestNormal) return {};
     const BodyContact body = bodies.closest_around(point, normal / length, reach(settings), hint, rest);
-    if (body.triangle == kNone || body.distance < -settings.depth) return 0.0f;
+    if (body.triangle == kNone || body.distance < -settings.depth) return {};
     const float lift = settings.thickness - body.distance;
+    const float room = std::max(-lift, 0.0f);
     // The border of a body that is deleted under the cloth must stay below the surface between the samples.
     // Where it is far above a sample, as in an armpit, the cloth passes beside it.
     if (body.border) {
         const float far = kFarAbove * std::max(settings.thickness, kShortestEdge);
         const float share = smooth_step(-far, -0.5f * far, body.distance);
-        return share * std::max(lift - std::max(body.beside - spacing, 0.0f), 0.0f);
+        return {share * std::max(lift - std::max(body.beside - spacing, 0.0f), 0.0f), room};
     }
-    return body.weight * std::max(lift, 0.0f);
+    if (body.weight <= 0.0f) return {};
+    return {body.weight * std::max(lift, 0.0f), room};
 }
 
-// Per sample of the surface: how far it must move outwards. before: the lift of every vertex in the pass
-// before. A triangle that did not move then needs no more lift, so it is left out.
-std::vector<float> lifts_of_samples(const Surface& surface, const CoverModel& model,
-                                    const CoverSettings& settings, const PosedCollider& bodies,
-                                    std::span<const Vec3> at, std::span<const Vec3> points,
-                                    std::span<const Vec3> normals, std::span<const float> before,
-                                    std::span<const Index> hints) {
-    std::vector<float> lift(points.size(), 0.0f);
+// before: the lift of every vertex in the pass before. A triangle that did not move then needs no more lift,
+// so it is left out.
+std::vector<Clearance> clearance_of_samples(const Surface& surface, const CoverModel& model,
+                                            const CoverSettings& settings, const PosedCollider& bodies,
+                                            std::span<const Vec3> at, std::span<const Vec3> points,
+                                            std::span<const Vec3> normals, std::span<const float> before,
+                                            std::span<const Index> hints) {
+    std::vector<Clearance> found(points.size());
     for_each_index(points.size(), kLeastSearches, [&](size_t s) {
         const SurfacePoint& place = model.samples.places[s];
         if (place.triangle == kNone) return;
@@ -63,25 +72,30 @@ std::vector<float> lifts_of_samples(const Surface& surface, const CoverModel& mo
         if (before[corners[0]] + before[corners[1]] + before[corners[2]] == 0.0f) return;
         const Index hint = hint_at(surface, place.triangle, hints);
         if (hint == kNone) return;
-        lift[s] = lift_of(settings, bodies, points[s], interpolate(surface, place, normals),
-                          interpolate(surface, place, surface.positions_rest), hint, half_side(corners, at));
+        found[s] =
+            clearance_of(settings, bodies, points[s], interpolate(surface, place, normals),
+                         interpolate(surface, place, surface.positions_rest), hint, half_side(corners, at));
     });
-    return lift;
+    return found;
 }
 
-// Per vertex: the largest lift of the samples around it.
-std::vector<float> lifts_of_vertices(const Surface& surface, const CoverModel& model,
-                                     std::span<const float> of_samples) {
-    std::vector<float> lift(surface.welded.vertex_count, 0.0f);
+// Of every vertex the largest lift of the samples around it, and the least room: lift, and room if that is
+// less than before.
+void spread_to_vertices(const Surface& surface, const CoverModel& model,
+                        std::span<const Clearance> of_samples, std::vector<float>& lift,
+                        std::vector<float>& room) {
+    std::ranges::fill(lift, 0.0f);
     for (size_t s = 0; s < of_samples.size(); ++s) {
-        if (of_samples[s] == 0.0f) continue;
         const SurfacePoint& place = model.samples.places[s];
+        if (place.triangle == kNone) continue;
         const std::array<Index, 3> corners = welded_vertices(surface, place.triangle);
         const std::array<float, 3> weights = place.weights();
-        for (int k = 0; k < 3; ++k)
-            if (weights[k] > kLeastWeight) lift[corners[k]] = std::max(lift[corners[k]], of_samples[s]);
+        for (int k = 0; k < 3; ++k) {
+            if (weights[k] <= kLeastWeight) continue;
+            lift[corners[k]] = std::max(lift[corners[k]], of_samples[s].lift);
+            room[corners[k]] = std::min(room[corners[k]], of_samples[s].room);
+        }
     }
-    return lift;
 }
 
 }  // namespace
@@ -92,9 +106,8 @@ CoverModel build_cover(const Surface& surface) {
     return {attach_refined(surface, source, refine(surface, source), AttachmentKind::kLimit)};
 }
 
-std::vector<Vec3> lifts_over(const Surface& surface, const CoverModel& model, const CoverSettings& settings,
-                             const PosedCollider& bodies, std::span<const Vec3> positions,
-                             std::span<const Index> hints) {
+Cover cover_over(const Surface& surface, const CoverModel& model, const CoverSettings& settings,
+                 const PosedCollider& bodies, std::span<const Vec3> positions, std::span<const Index> hints) {
     expect_within("thickness", settings.thickness, 0.0, 1e9);
     expect_within("depth", settings.depth, 1e-9, 1e9);
     check_frame(surface, positions);
@@ -102,19 +115,21 @@ std::vector<Vec3> lifts_over(const Surface& surface, const CoverModel& model, co
     const size_t vertices = surface.welded.vertex_count, samples = model.samples.places.size();
     const SolveTeam team(0, samples, kLeastSearches);
     std::vector<Vec3> at = weld_positions(surface, positions), normals(vertices), points(samples);
-    std::vector<Vec3> lifts(positions.size(), Vec3(0.0f));
     std::vector<float> lift(vertices, 1.0f);  // not 0: the first pass leaves out no triangle
+    std::vector<float> room(vertices, kFarthestCoordinate);
+    Cover out{std::vector<Vec3>(positions.size(), Vec3(0.0f)), {}};
     for (int pass = 0; pass < kPasses; ++pass) {
         vertex_normals(surface, at, normals);
         attach(surface, model.samples, at, normals, points);
-        lift = lifts_of_vertices(
-            surface, model,
-            lifts_of_samples(surface, model, settings, bodies, at, points, normals, lift, hints));
+        const std::vector<Clearance> found =
+            clearance_of_samples(surface, model, settings, bodies, at, points, normals, lift, hints);
+        spread_to_vertices(surface, model, found, lift, room);
         for (size_t v = 0; v < vertices; ++v) at[v] += lift[v] * normals[v];
-        for (size_t v = 0; v < lifts.size(); ++v)
-            lifts[v] += lift[surface.welded_of[v]] * normals[surface.welded_of[v]];
+        for (size_t v = 0; v < out.lifts.size(); ++v)
+            out.lifts[v] += lift[surface.welded_of[v]] * normals[surface.welded_of[v]];
     }
-    return lifts;
+    for (const Index welded : surface.welded_of) out.room.push_back(room[welded]);
+    return out;
 }
 
 }  // namespace rumple

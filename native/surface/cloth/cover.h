@@ -22,14 +22,20 @@ struct CoverSettings {
                           // units, > 0
 };
 
-// How far every display vertex of the base must move outwards along its normal, object units. The vertices of
-// a triangle move as far as its deepest sample needs. This is done twice, because the smooth surface moves
-// less than its cage.
+struct Cover {
+    // How far every display vertex of the base must move outwards along its normal, object units. The
+    // vertices of a triangle move as far as its deepest sample needs. This is done twice, because the smooth
+    // surface moves less than its cage.
+    std::vector<Vec3> lifts;
+    // How far the surface around every display vertex may move inwards then, object units: 0 where it was
+    // lifted, kFarthestCoordinate where no body was found.
+    std::vector<float> room;
+};
+
 //   positions: per display vertex. hints: a triangle of the bodies near each vertex; kNone: no body is
 //   searched. Throws InvalidInput if they do not match the surface, or if a setting is out of its range.
 // Cost: about 1 us a sample with a hint.
-std::vector<Vec3> lifts_over(const Surface& surface, const CoverModel& model, const CoverSettings& settings,
-                             const PosedCollider& bodies, std::span<const Vec3> positions,
-                             std::span<const Index> hints);
+Cover cover_over(const Surface& surface, const CoverModel& model, const CoverSettings& settings,
+                 const PosedCollider& bodies, std::span<const Vec3> positions, std::span<const Index> hints);
 
 }  // namespace rumple

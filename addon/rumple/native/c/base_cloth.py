@@ -224,6 +224,6 @@ BASE_CLOTH_FUNCTIONS: dict[str, tuple[Any, tuple[Any, ...]]] = {
     "rumple_cloth_cover_free": (None, (ClothCoverPointer,)),
     "rumple_cloth_cover_settings_default": (ClothCoverSettings, ()),
     "rumple_cloth_cover_lift": (CHECKED, (ClothCoverPointer, POINTER(ClothCoverSettings), POINTER(Bodies), c_void_p,
-        c_size_t, c_void_p, c_size_t, c_void_p, c_size_t)),
+        c_size_t, c_void_p, c_size_t, c_void_p, c_size_t, c_void_p, c_size_t)),
     "rumple_cloth_untangle": (CHECKED, (SurfacePointer, c_void_p, c_size_t, c_void_p, c_size_t, c_void_p, c_size_t)),
 }
