@@ -238,6 +238,9 @@ def access_of(access: set[str]) -> str:
     return "" if access == {"READ", "WRITE"} else "writeonly" if access == {"WRITE"} else "readonly"
 
 
+WORDS = ("FORMULA", "REAL", "BOOL", "TEXEL", "THIS_TEXEL", "READ", "WRITE")  # macros of our own texts
+
+
 def for_metal(shader: Recorder, stage: str, name: str) -> str:
     """A class with everything in it; push constants and blocks are macros, parameters that are written references."""
     text = re.sub(r"\b(?:in)?out (\w+) (\w+)", r"\1 &\2", without_comments(shader.text(stage)))
@@ -257,7 +260,7 @@ def for_metal(shader: Recorder, stage: str, name: str) -> str:
         "vec4 gl_Position, gl_FragCoord; bool gl_FrontFacing; ivec3 gl_GlobalInvocationID;",
         "float gl_FragDepth;" if shader.all("depth_write") else "",
         *(f"{kind} {word};" for kind, word in members), *(f"#define {word} {meant}" for word, meant in macros.items()),
-        text, "};", *(f"#undef {word}" for word in (*macros, "FORMULA", "TEXEL", "THIS_TEXEL", "READ", "WRITE")), ""])
+        text, "};", *(f"#undef {word}" for word in (*macros, *WORDS)), ""])
 
 
 if __name__ == "__main__":

@@ -72,6 +72,10 @@ void for_each_four(size_t count, Act&& act) {
     for (; first + kLanes <= count; first += kLanes) act(first, std::integral_constant<size_t, kLanes>());
     if (first < count) act(first, count - first);
 }
+// Rounded towards zero, for numbers that an Index can hold.
+inline Lanes whole_part(const Lanes& x) {
+    return __builtin_convertvector(__builtin_convertvector(x, LaneMask), Lanes);
+}
 inline Lanes least(const Lanes& a, const Lanes& b) {
     return a < b ? a : b;
 }
@@ -84,12 +88,58 @@ inline Lanes within(const Lanes& x, const Lanes& low, const Lanes& high) {
 }
 
 // Four vectors, one per lane.
+struct Vec2Lanes {
+    Lanes x{}, y{};
+
+    Vec2Lanes() = default;
+    Vec2Lanes(const Lanes& x_, const Lanes& y_) : x(x_), y(y_) {}
+    Vec2Lanes(float x_, float y_) : x(all_lanes(x_)), y(all_lanes(y_)) {}
+
+    const Lanes& operator[](int i) const { return i == 0 ? x : y; }
+    void set(int lane, const Vec2& v) {
+        x[lane] = v.x;
+        y[lane] = v.y;
+    }
+    Vec2 at(int lane) const { return {x[lane], y[lane]}; }
+};
+
+inline Vec2Lanes operator-(const Vec2Lanes& a) {
+    return {-a.x, -a.y};
+}
+inline Vec2Lanes operator+(const Vec2Lanes& a, const Vec2Lanes& b) {
+    return {a.x + b.x, a.y + b.y};
+}
+inline Vec2Lanes operator-(const Vec2Lanes& a, const Vec2Lanes& b) {
+    return {a.x - b.x, a.y - b.y};
+}
+inline Vec2Lanes operator*(const Vec2Lanes& a, const Lanes& s) {
+    return {a.x * s, a.y * s};
+}
+inline Vec2Lanes operator/(const Vec2Lanes& a, const Lanes& s) {
+    return {a.x / s, a.y / s};
+}
+inline Lanes dot(const Vec2Lanes& a, const Vec2Lanes& b) {
+    return a.x * b.x + a.y * b.y;
+}
+inline Vec2Lanes load_lanes(const Vec2* from, size_t count = kLanes) {
+    std::array<Lanes, 2> pairs{};
+    std::memcpy(&pairs, from, count * sizeof(Vec2));
+    return {__builtin_shufflevector(pairs[0], pairs[1], 0, 2, 4, 6),
+            __builtin_shufflevector(pairs[0], pairs[1], 1, 3, 5, 7)};
+}
+inline void store_lanes(const Vec2Lanes& lanes, Vec2* to, size_t count = kLanes) {
+    const std::array<Lanes, 2> pairs{__builtin_shufflevector(lanes.x, lanes.y, 0, 4, 1, 5),
+                                     __builtin_shufflevector(lanes.x, lanes.y, 2, 6, 3, 7)};
+    std::memcpy(to, &pairs, count * sizeof(Vec2));
+}
+
 struct Vec3Lanes {
     Lanes x{}, y{}, z{};
 
     Vec3Lanes() = default;
     Vec3Lanes(const Lanes& x_, const Lanes& y_, const Lanes& z_) : x(x_), y(y_), z(z_) {}
-    explicit Vec3Lanes(const Vec3& v) : x(all_lanes(v.x)), y(all_lanes(v.y)), z(all_lanes(v.z)) {}
+    Vec3Lanes(float x_, float y_, float z_) : x(all_lanes(x_)), y(all_lanes(y_)), z(all_lanes(z_)) {}
+    explicit Vec3Lanes(const Vec3& v) : Vec3Lanes(v.x, v.y, v.z) {}
 
     void set(int lane, const Vec3& v) {
         x[lane] = v.x;
@@ -98,6 +148,15 @@ struct Vec3Lanes {
     }
     Vec3 at(int lane) const { return {x[lane], y[lane], z[lane]}; }
 };
+
+inline Vec3Lanes load_lanes(const Vec3* from, size_t count = kLanes) {
+    Vec3Lanes out;
+    for (size_t k = 0; k < count; ++k) out.set(int(k), from[k]);
+    return out;
+}
+inline void store_lanes(const Vec3Lanes& lanes, Vec3* to, size_t count = kLanes) {
+    for (size_t k = 0; k < count; ++k) to[k] = lanes.at(int(k));
+}
 
 inline Vec3Lanes operator-(const Vec3Lanes& a, const Vec3Lanes& b) {
     return {a.x - b.x, a.y - b.y, a.z - b.z};
@@ -110,6 +169,9 @@ inline Vec3Lanes operator-(const Vec3Lanes& a) {
 }
 inline Vec3Lanes operator*(const Lanes& s, const Vec3Lanes& a) {
     return {s * a.x, s * a.y, s * a.z};
+}
+inline Vec3Lanes operator/(const Vec3Lanes& a, const Lanes& s) {
+    return {a.x / s, a.y / s, a.z / s};
 }
 inline Lanes dot(const Vec3Lanes& a, const Vec3Lanes& b) {
     return a.x * b.x + a.y * b.y + a.z * b.z;
@@ -179,6 +241,9 @@ inline Vec3Lanes columns(std::span<const Row, kLanes> rows) {
     return {__builtin_shufflevector(ab, cd, 0, 1, 4, 5), __builtin_shufflevector(ab, cd, 2, 3, 6, 7),
             __builtin_shufflevector(ab_z, cd_z, 0, 1, 4, 5)};
 }
+inline Vec3Lanes columns_from(std::span<const Row> rows, size_t first) {
+    return columns(std::span<const Row, kLanes>(&rows[first], kLanes));
+}
 inline void store_rows(const Vec3Lanes& v, std::span<Row, kLanes> rows) {
     const Lanes ab = __builtin_shufflevector(v.x, v.y, 0, 4, 1, 5);  // ax ay bx by
     const Lanes cd = __builtin_shufflevector(v.x, v.y, 2, 6, 3, 7);
@@ -186,6 +251,16 @@ inline void store_rows(const Vec3Lanes& v, std::span<Row, kLanes> rows) {
     rows[1].xyz = __builtin_shufflevector(ab, v.z, 2, 3, 5, 5);
     rows[2].xyz = __builtin_shufflevector(cd, v.z, 0, 1, 6, 6);
     rows[3].xyz = __builtin_shufflevector(cd, v.z, 2, 3, 7, 7);
+}
+
+// What stands at four indices.
+using LaneIndices = std::array<Index, kLanes>;
+inline Lanes gathered(std::span<const float> from, const LaneIndices& at) {
+    return Lanes{from[at[0]], from[at[1]], from[at[2]], from[at[3]]};
+}
+inline Vec3Lanes gathered(std::span<const Row> from, const LaneIndices& at) {
+    const std::array<Row, kLanes> rows{from[at[0]], from[at[1]], from[at[2]], from[at[3]]};
+    return columns(rows);
 }
 
 // Row r of apply() in base/solve_team.h.

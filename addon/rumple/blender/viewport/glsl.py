@@ -8,7 +8,7 @@ from pathlib import Path
 
 # In the installed add-on the folder is beside its modules, in the source tree at the top.
 _FOLDERS = tuple(Path(os.path.abspath(__file__)).parents[up] / "shaders" for up in (2, 4))
-FORMULAS = ("shared/tangents", "shared/wrinkle_field")  # of the Wrinkle Field
+FORMULAS = ("shared/tangents", "shared/wrinkle_field", "shared/wrinkle_field_picture")  # of the Wrinkle Field
 FOLDS = ("shared/pn_triangle", "shared/wrinkle_paths")  # of the Wrinkle Paths
 
 
@@ -21,4 +21,4 @@ def text(name: str) -> str:
 
 def source(*names: str) -> str:
     """These files one after the other, the formulas ready for GLSL."""
-    return "#define FORMULA\n" + "\n".join(text(name) for name in names)
+    return "#define FORMULA\n#define REAL float\n#define BOOL bool\n" + "\n".join(text(name) for name in names)

@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The formulas that formulas.h compiles for single floats, compiled for four at a time: GLSL's types and
+// functions over Lanes, as far as these formulas need them. Every lane has the bits of formulas.h, so each
+// function here computes in the order of GLM's.
+#pragma once
+
+#include "base/formulas.h"
+#include "base/lanes.h"
+
+#define FORMULA inline
+
+namespace rumple::lane_formulas {
+
+using REAL = Lanes;
+using BOOL = LaneMask;
+using vec2 = Vec2Lanes;
+using vec3 = Vec3Lanes;
+
+// Columns, as in GLSL.
+struct mat2 {
+    vec2 column[2];
+
+    mat2() = default;
+    mat2(const vec2& a, const vec2& b) : column{a, b} {}
+    explicit mat2(float diagonal) : column{{diagonal, 0.0f}, {0.0f, diagonal}} {}
+
+    const vec2& operator[](int i) const { return column[i]; }
+};
+
+inline vec2 operator*(const mat2& m, const vec2& v) {
+    return {m[0].x * v.x + m[1].x * v.y, m[0].y * v.x + m[1].y * v.y};
+}
+inline mat2 operator+(const mat2& a, const mat2& b) {
+    return {a[0] + b[0], a[1] + b[1]};
+}
+inline mat2 operator-(const mat2& a, const mat2& b) {
+    return {a[0] - b[0], a[1] - b[1]};
+}
+inline mat2 operator*(const mat2& a, const mat2& b) {
+    return {a * b[0], a * b[1]};
+}
+inline mat2 transpose(const mat2& m) {
+    return {{m[0].x, m[1].x}, {m[0].y, m[1].y}};
+}
+
+inline glm::mat2 at_lane(const mat2& m, int lane) {
+    return {m[0].at(lane), m[1].at(lane)};
+}
+inline Lanes sqrt(const Lanes& x) {
+    return square_root(x);
+}
+inline Lanes abs(const Lanes& x) {
+    return (Lanes)((LaneMask)x & 0x7fffffff);
+}
+inline Lanes min(const Lanes& x, const Lanes& y) {
+    return y < x ? y : x;
+}
+inline Lanes max(const Lanes& x, const Lanes& y) {
+    return x < y ? y : x;
+}
+inline Lanes min(const Lanes& x, float y) {
+    return min(x, all_lanes(y));
+}
+inline Lanes max(const Lanes& x, float y) {
+    return max(x, all_lanes(y));
+}
+inline Lanes clamp(const Lanes& x, float low, float high) {
+    return min(max(x, low), high);
+}
+// As elementary::floor(). The branch is faster than a choice: hardly any x is so large.
+inline Lanes floor(const Lanes& x) {
+    const Lanes truncated = whole_part(x);
+    const Lanes below = truncated - (truncated > x ? all_lanes(1.0f) : Lanes{});
+    const LaneMask has_fraction = abs(x) < 0x1p23f;
+    if (bits_of(~has_fraction) == 0) [[likely]]
+        return below;
+    return has_fraction ? below : x;
+}
+
+inline Lanes length(const vec2& v) {
+    return sqrt(dot(v, v));
+}
+inline Lanes length(const vec3& v) {
+    return sqrt(dot(v, v));
+}
+inline vec3 normalize(const vec3& v) {
+    return (1.0f / length(v)) * v;
+}
+
+#include "shared/tangents.glsl"
+#include "shared/wrinkle_field.glsl"
+
+// One of four estimates.
+inline formulas::WaveEstimate at_lane(const WaveEstimate& four, int lane) {
+    return {four.r[lane], four.fullness[lane], four.k.at(lane), four.k_deformed.at(lane)};
+}
+inline void set_lane(WaveEstimate& four, int lane, const formulas::WaveEstimate& one) {
+    four.r[lane] = one.r;
+    four.fullness[lane] = one.fullness;
+    four.k.set(lane, one.k);
+    four.k_deformed.set(lane, one.k_deformed);
+}
+
+}  // namespace rumple::lane_formulas
+
+#undef FORMULA

@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The solver computes four vertices at a time. Each has the bits that it would have alone.
+#include <gtest/gtest.h>
+
+#include <bit>
+#include <limits>
+#include <random>
+
+#include "base/lane_formulas.h"
+
+namespace rumple::tests {
+namespace {
+
+namespace one = formulas;
+namespace four = lane_formulas;
+
+void expect_same_bits(float a, float b) {
+    if (std::isnan(a) && std::isnan(b)) return;
+    EXPECT_EQ(std::bit_cast<std::uint32_t>(a), std::bit_cast<std::uint32_t>(b)) << a << " and " << b;
+}
+void expect_same_bits(const Vec2& a, const Vec2& b) {
+    for (int i = 0; i < 2; ++i) expect_same_bits(a[i], b[i]);
+}
+void expect_same_bits(const Vec3& a, const Vec3& b) {
+    for (int i = 0; i < 3; ++i) expect_same_bits(a[i], b[i]);
+}
+
+// Arguments of every size. Some are zero, so that formulas take each of their choices.
+struct Arguments {
+    std::mt19937 random{5};
+
+    float number() {
+        if (random() % 8 == 0) return random() % 2 ? 0.0f : -0.0f;
+        return std::ldexp(float(random()) / 2e9f - 1.0f, int(random() % 12) - 6);
+    }
+    Lanes numbers() { return Lanes{number(), number(), number(), number()}; }
+    Vec2Lanes vec2() { return {numbers(), numbers()}; }
+    Vec3Lanes vec3() { return {numbers(), numbers(), numbers()}; }
+    four::mat2 mat2() { return {vec2(), vec2()}; }
+};
+
+template <typename Check>
+void for_many(Check&& check) {
+    Arguments arguments;
+    for (int i = 0; i < 2000; ++i) check(arguments);
+}
+
+TEST(WrinkleFieldLanes, FloorIsThatOfFloats) {
+    const float inf = std::numeric_limits<float>::infinity();
+    const auto same = [](const Lanes& x) {
+        const Lanes found = four::floor(x);
+        for (int k = 0; k < kLanes; ++k) expect_same_bits(found[k], elementary::floor(x[k]));
+    };
+    same(Lanes{0.0f, -0.0f, 0.49999997f, -1e-30f});
+    same(Lanes{0x1p23f, -0x1p23f - 1.0f, 1.5f, -1.5f});
+    same(Lanes{0x1p31f, -3e38f, inf, std::numeric_limits<float>::quiet_NaN()});
+    for_many([&](Arguments& a) { same(1000.0f * a.numbers()); });
+}
+
+TEST(WrinkleFieldLanes, CrushIsThatOfOneVertex) {
+    for_many([](Arguments& a) {
+        const four::mat2 m = a.mat2();
+        const Vec2Lanes q = a.vec2(), before = a.vec2(), turn = a.vec2();
+        const Vec3Lanes stretch = a.vec3();
+        const four::WaveEstimate found = four::estimate_wave(m, q, before, turn, 0.1f);
+        const four::mat2 restretched = four::restretched(m, stretch);
+        for (int k = 0; k < kLanes; ++k) {
+            const one::WaveEstimate expected =
+                one::estimate_wave(at_lane(m, k), q.at(k), before.at(k), turn.at(k), 0.1f);
+            expect_same_bits(found.r[k], expected.r);
+            expect_same_bits(found.fullness[k], expected.fullness);
+            expect_same_bits(found.k.at(k), expected.k);
+            expect_same_bits(found.k_deformed.at(k), expected.k_deformed);
+            const glm::mat2 wanted = one::restretched(at_lane(m, k), stretch.at(k));
+            for (int i = 0; i < 2; ++i) expect_same_bits(restretched[i].at(k), wanted[i]);
+        }
+    });
+}
+
+TEST(WrinkleFieldLanes, TangentsAreThoseOfOneVertex) {
+    for_many([](Arguments& a) {
+        const Vec3Lanes way = a.vec3(), n = a.vec3(), t = a.vec3();
+        for (const bool true_lengths : {false, true}) {
+            const Vec3Lanes towards = four::tangent_towards(way, n);
+            const Vec2Lanes flat = four::tangent_space(way, t, n, true_lengths);
+            for (int k = 0; k < kLanes; ++k) {
+                expect_same_bits(towards.at(k), one::tangent_towards(way.at(k), n.at(k)));
+                expect_same_bits(flat.at(k), one::tangent_space(way.at(k), t.at(k), n.at(k), true_lengths));
+            }
+        }
+    });
+}
+
+TEST(WrinkleFieldLanes, RelaxationIsThatOfOneVertex) {
+    for_many([](Arguments& a) {
+        const Vec3Lanes wave = a.vec3(), other = a.vec3(), way = a.vec3();
+        const Lanes phase = a.numbers(), other_phase = a.numbers(), sum = a.numbers(), rate = a.numbers();
+        const Lanes count = {0.0f, 1.0f, 5.0f, 6.0f};
+        const four::Link link = four::link_waves(wave, other, way);
+        const Lanes misfit = four::misfit(link, phase, other_phase);
+        const Lanes relaxed = four::relaxed(phase, sum, count, rate), weight = four::attenuation(sum);
+        for (int k = 0; k < kLanes; ++k) {
+            const one::Link expected = one::link_waves(wave.at(k), other.at(k), way.at(k));
+            expect_same_bits(link.flip[k], expected.flip);
+            expect_same_bits(link.offset[k], expected.offset);
+            expect_same_bits(misfit[k], one::misfit(expected, phase[k], other_phase[k]));
+            expect_same_bits(relaxed[k], one::relaxed(phase[k], sum[k], count[k], rate[k]));
+            expect_same_bits(weight[k], one::attenuation(sum[k]));
+        }
+    });
+}
+
+}  // namespace
+}  // namespace rumple::tests
