@@ -6,11 +6,12 @@
 #include <limits>
 #include <random>
 
-#include "base/lane_formulas.h"
+#include "tests/wrinkle_field_cloth.h"
 
 namespace rumple::tests {
 namespace {
 
+using namespace wrinkle_field;
 namespace one = formulas;
 namespace four = lane_formulas;
 
@@ -108,6 +109,54 @@ TEST(WrinkleFieldLanes, RelaxationIsThatOfOneVertex) {
             expect_same_bits(weight[k], one::attenuation(sum[k]));
         }
     });
+}
+
+// The neighbours of a vertex in the order of its columns.
+std::vector<Index> in_columns(const Model& model, size_t v) {
+    const NeighbourColumns& columns = model.columns;
+    std::vector<Index> found(static_cast<size_t>(columns.count[v / kLanes][v % kLanes]));
+    for (size_t k = 0; k < found.size(); ++k)
+        found[k] = columns.vertex[size_t(columns.start[v / kLanes]) + k][v % kLanes];
+    return found;
+}
+
+TEST(WrinkleFieldLanes, ColumnsHaveEveryNeighbourInItsOrder) {
+    for (const MeshData& mesh : {irregular_square(), tube(7, 3, 0.1f, 1.0f), cube()}) {
+        const Field field(mesh);
+        const Model& model = *field.model;
+        for (size_t v = 0; v < model.base.positions_rest.size(); ++v) {
+            std::vector<Index> expected;
+            for (Index i = model.neighbour_start[v]; i < model.neighbour_start[v + 1]; ++i)
+                expected.push_back(model.neighbours[i].vertex);
+            EXPECT_EQ(in_columns(model, v), expected);
+        }
+    }
+}
+
+// A round of equation (6), one vertex after the other, in the order of its neighbours.
+TEST(WrinkleFieldLanes, ARoundHasTheBitsOfOneVertexAfterTheOther) {
+    Field field(irregular_square());
+    field.paint.mask.assign(field.mesh.positions.size(), 1.0f);  // by it some have no wave
+    for (size_t v = 0; v < field.paint.mask.size(); v += 3) field.paint.mask[v] = 0.0f;
+    const Waves waves = field.estimate_waves(scaled(field.mesh, {0.7f, 1.0f, 1.0f}));
+    const std::vector<float> before = random_phases(*field.model, 3);
+    std::vector<float> after = before;
+    relax(*field.model, field.settings, waves, 1, after);
+    size_t moved = 0;
+    for (size_t v = 0; v < before.size(); ++v) {
+        float sum = 0.0f;
+        const std::vector<Index> neighbours = in_columns(*field.model, v);
+        for (const Index n : neighbours) {
+            const float weight = one::attenuation(waves.fullness[n]);
+            const one::Link link = one::link_waves(waves.wave_vector[v], waves.wave_vector[n],
+                                                   waves.positions[n] - waves.positions[v]);
+            if (weight > 0.0f) sum += weight * one::misfit(link, before[v], before[n]);
+        }
+        expect_same_bits(after[v],
+                         one::relaxed(before[v], sum, float(neighbours.size()), field.settings.rate));
+        moved += after[v] != before[v];
+    }
+    EXPECT_GT(moved, before.size() / 2);
 }
 
 }  // namespace

@@ -221,16 +221,19 @@ float exceeded_by(std::vector<float> values, float fraction) {
 }  // namespace
 
 Canvas lay_out(const Model& model, std::span<const Vec3> positions) {
-    Pose pose = weld_pose(model, positions);
+    Pose pose = make_pose(model, positions);
     const size_t vertices = pose.positions.size();
     Canvas canvas{std::move(pose.positions), std::move(pose.normals), {}, {}};
     canvas.tangent.assign(vertices, Vec3(0.0f));
     canvas.bitangent.assign(vertices, Vec3(0.0f));
     for (size_t v = 0; v < vertices; ++v) {
-        const std::optional<Neighbourhood> around = regress(model, canvas.positions, canvas.normals[v], v);
-        if (!around) continue;
-        canvas.tangent[v] = around->m[0][0] * around->tangent + around->m[0][1] * around->bitangent;
-        canvas.bitangent[v] = around->m[1][0] * around->tangent + around->m[1][1] * around->bitangent;
+        const Neighbourhoods& around = pose.around[v / kLanes];
+        const int lane = int(v % kLanes);
+        if (!around.exist[lane]) continue;
+        const glm::mat2 m = at_lane(around.m, lane);
+        const Vec3 tangent = around.tangent.at(lane), bitangent = around.bitangent.at(lane);
+        canvas.tangent[v] = m[0][0] * tangent + m[0][1] * bitangent;
+        canvas.bitangent[v] = m[1][0] * tangent + m[1][1] * bitangent;
     }
     return canvas;
 }

@@ -58,6 +58,41 @@ void regress_at_rest(Model& model) {
     }
 }
 
+// The column with the k-th neighbours of vertices from `first` on.
+void add_column(Model& model, size_t first, size_t how_many, Index k) {
+    LaneIndices vertex{};
+    Vec2Lanes gradient;
+    for (size_t lane = 0; lane < how_many; ++lane) {
+        const Index i = model.neighbour_start[first + lane] + k;
+        if (i >= model.neighbour_start[first + lane + 1]) continue;
+        vertex[lane] = model.neighbours[i].vertex;
+        gradient.set(int(lane), model.neighbours[i].gradient);
+    }
+    model.columns.vertex.push_back(vertex);
+    model.columns.gradient.push_back(gradient);
+}
+
+void arrange_in_columns(Model& model) {
+    NeighbourColumns& columns = model.columns;
+    for_each_four(model.tangent_rest.size(), [&](size_t first, size_t how_many) {
+        Lanes count{};
+        LaneMask has_frame{};
+        Index most = 0;
+        for (size_t lane = 0; lane < how_many; ++lane) {
+            const size_t v = first + lane;
+            const Index neighbours = model.neighbour_start[v + 1] - model.neighbour_start[v];
+            most = std::max(most, neighbours);
+            count[lane] = float(neighbours);
+            has_frame[lane] = model.tangent_rest[v] == Vec3(0.0f) ? 0 : -1;
+        }
+        for (Index k = 0; k < most; ++k) add_column(model, first, how_many, k);
+        columns.start.push_back(static_cast<Index>(columns.vertex.size()));
+        columns.count.push_back(count);
+        columns.has_frame.push_back(has_frame);
+    });
+    fit(columns.start, columns.vertex, columns.gradient, columns.count, columns.has_frame);
+}
+
 // The frames of `stretch` and the rest frames have the same normal, except for rounding errors.
 void turn_frames(Model& model) {
     for (size_t v = 0; v < model.tangent_rest.size(); ++v) {
@@ -242,6 +277,7 @@ std::shared_ptr<const Model> build(Surface base, const Plan& plan) {
     model->true_lengths = plan.true_lengths;
     collect_neighbours(*model);
     regress_at_rest(*model);
+    arrange_in_columns(*model);
     identify(*model);
     model->stretch = build_stretch(model->base);
     model->bent_lines = build_bent_lines(model->base);

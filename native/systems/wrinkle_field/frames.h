@@ -1,35 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Equation (1) at one vertex of a pose, and work at all vertices. Internal to wrinkle_field.
+// Work at all vertices, and what several files of the Wrinkle Field need. Internal to wrinkle_field.
 #pragma once
 
 #include <algorithm>
 #include <glm/gtc/noise.hpp>
-#include <optional>
 
 #include "base/random.h"
 #include "base/solve_team.h"
 #include "systems/wrinkle_field/wrinkle_field.h"
 
 namespace rumple::wrinkle_field {
-
-// positions: of the welded vertices, deformed. normal: of the vertex there. None without a normal, in this
-// pose or at rest.
-inline std::optional<Neighbourhood> regress(const Model& model, std::span<const Vec3> positions,
-                                            const Vec3& normal, size_t v) {
-    if (normal == Vec3(0.0f) || model.tangent_rest[v] == Vec3(0.0f)) return {};
-    const Index begin = model.neighbour_start[v], end = model.neighbour_start[v + 1];
-    const Vec3 t =
-        formulas::tangent_towards(positions[model.neighbours[begin].vertex] - positions[v], normal);
-    Neighbourhood out{t, glm::cross(normal, t), glm::mat2(0.0f)};
-    for (Index i = begin; i < end; ++i) {
-        const Model::Neighbour& n = model.neighbours[i];
-        const Vec3 displacement = positions[n.vertex] - positions[v];
-        out.m += glm::outerProduct(
-            formulas::tangent_space(displacement, out.tangent, out.bitangent, model.true_lengths),
-            n.gradient);
-    }
-    return out;
-}
 
 // A vector of rest space, along the tangent and the bitangent of a vertex at rest.
 inline Vec2 in_rest_frame(const Model& model, size_t v, const Vec3& way) {
@@ -54,6 +34,13 @@ inline constexpr size_t kVerticesForThreads = 50'000;
 
 inline int threads_for(const Settings& settings, size_t vertices) {
     return choose_threads(settings.threads, vertices, kVerticesForThreads, kMostThreads);
+}
+
+// act(first, count) for every four vertices and for the rest, as for_each_four(), on all threads.
+template <typename Act>
+void for_each_four_vertices(const Settings& settings, size_t vertices, Act&& act) {
+    const SolveTeam team(settings.threads, vertices, kVerticesForThreads);
+    for_each_four_shared(vertices, act);
 }
 
 // work(v) for every vertex, on all threads.

@@ -11,79 +11,89 @@
 #include "base/parallel.h"
 #include "base/tolerances.h"
 #include "systems/wrinkle_field/frames.h"
+#include "systems/wrinkle_field/pulls.h"
 #include "systems/wrinkle_field/wrinkle_field.h"
 
 namespace rumple::wrinkle_field {
 namespace {
 
-using formulas::Link;
+// The part that vertices take in a round.
+struct Activity {
+    std::vector<float> share;  // per vertex
+    std::vector<char> any;     // per four vertices: false if none of them can move
 
-// A neighbour in relaxation.
-struct Pull {
-    Index vertex;
-    float weight;  // attenuation of the neighbour's amplitude
-    Link link;
+    Activity(const Model& model, float all)
+        : share(model.base.positions_rest.size(), all), any(model.columns.count.size(), all > 0.0f) {}
 };
 
-// In the same order as model.neighbours.
-std::vector<Pull> collect_pulls(const Model& model, const Settings& settings, const Waves& waves) {
-    std::vector<Pull> pulls(model.neighbours.size());
-    for_each_vertex(settings, waves.height.size(), [&](size_t v) {
-        for (Index i = model.neighbour_start[v]; i < model.neighbour_start[v + 1]; ++i) {
-            const Index n = model.neighbours[i].vertex;
-            pulls[i] = {n, formulas::attenuation(waves.fullness[n]),
-                        formulas::link_waves(waves.wave_vector[v], waves.wave_vector[n],
-                                             waves.positions[n] - waves.positions[v])};
+// The share is 0 if the links to the waves around a vertex are the same as in its last relaxation, so that a
+// standing leg does not change when the arm moves. Updates solved_offset for relaxed links.
+Activity activity(const Model& model, const Pulls& pulls, std::span<float> solved_offset) {
+    Activity out(model, 0.0f);
+    for (size_t v = 0; v < out.share.size(); ++v) {
+        pulls.for_each_of(v, [&](Index i, float weight, const formulas::Link& link) {
+            if (weight <= 0.0f) return;
+            const float act = formulas::activity(link.offset - solved_offset[i]);
+            out.share[v] = std::max(out.share[v], act);
+            if (act > 0.0f) solved_offset[i] = link.offset;
+            if (act != 0.0f) out.any[v / kLanes] = true;  // also if it is not a number
+        });
+    }
+    return out;
+}
+
+std::vector<float> offsets(const Model& model, const Pulls& pulls) {
+    std::vector<float> offset(model.neighbours.size());
+    for (size_t v = 0; v < model.base.positions_rest.size(); ++v)
+        pulls.for_each_of(v, [&](Index i, float, const formulas::Link& link) { offset[i] = link.offset; });
+    return offset;
+}
+
+// Weighted squares of phase errors.
+struct Squares {
+    double sum = 0.0;
+    double weights = 0.0;
+};
+
+float misfit_of(const Model& model, const Waves& waves, const Pulls& pulls, std::span<const float> phase) {
+    const NeighbourColumns& columns = model.columns;
+    std::vector<Lanes> errors;  // of a column each
+    Squares all;
+    for_each_four(phase.size(), [&](size_t first, auto how_many) {
+        const size_t four = first / kLanes;
+        const Index begin = columns.start[four], end = columns.start[four + 1];
+        const Lanes own = load_lanes(&phase[first], how_many);
+        errors.resize(std::max(errors.size(), size_t(end - begin)));
+        for (Index c = begin; c < end; ++c)
+            errors[c - begin] = lane_formulas::misfit(pulls[c].link, own, gathered(phase, columns.vertex[c]));
+        Squares squares = all;  // the sums of a local copy stay in registers
+        for (size_t lane = 0; lane < how_many; ++lane) {
+            const double attenuation = formulas::attenuation(waves.fullness[first + lane]);
+            const auto neighbours = static_cast<Index>(columns.count[four][lane]);
+            for (Index k = 0; k < neighbours; ++k) {
+                const double error = errors[k][lane], weight = attenuation * pulls[begin + k].weight[lane];
+                squares.sum += weight * error * error;
+                squares.weights += weight;
+            }
         }
+        all = squares;
     });
-    return pulls;
+    return all.weights > 0.0 ? static_cast<float>(std::sqrt(all.sum / all.weights)) : 0.0f;
 }
 
-std::span<const Pull> pulls_of(const Model& model, std::span<const Pull> pulls, size_t v) {
-    return pulls.subspan(model.neighbour_start[v], model.neighbour_start[v + 1] - model.neighbour_start[v]);
-}
-
-// The share of a round that every vertex takes. It is 0 if the links to the waves around it are the same as
-// in its last relaxation, so that a standing leg does not change when the arm moves. Updates solved_offset
-// for relaxed links.
-std::vector<float> activity(const Model& model, std::span<const Pull> pulls, std::span<float> solved_offset) {
-    std::vector<float> active(model.base.positions_rest.size(), 0.0f);
-    for (size_t v = 0; v < active.size(); ++v) {
-        for (Index i = model.neighbour_start[v]; i < model.neighbour_start[v + 1]; ++i) {
-            if (pulls[i].weight <= 0.0f) continue;
-            const float act = formulas::activity(pulls[i].link.offset - solved_offset[i]);
-            active[v] = std::max(active[v], act);
-            if (act > 0.0f) solved_offset[i] = pulls[i].link.offset;
-        }
-    }
-    return active;
-}
-
-float misfit_of(const Model& model, const Waves& waves, std::span<const Pull> pulls,
-                std::span<const float> phase) {
-    double sum = 0.0, weights = 0.0;
-    for (size_t v = 0; v < phase.size(); ++v) {
-        const double own = formulas::attenuation(waves.fullness[v]);
-        for (const Pull& pull : pulls_of(model, pulls, v)) {
-            const double error = formulas::misfit(pull.link, phase[v], phase[pull.vertex]);
-            sum += own * pull.weight * error * error;
-            weights += own * pull.weight;
-        }
-    }
-    return weights > 0.0 ? static_cast<float>(std::sqrt(sum / weights)) : 0.0f;
-}
-
-// Runs `rounds` rounds of step(v, from) -> new value for all vertices, from one buffer into another.
+// Runs `rounds` rounds of step(begin, end, from, to), from one buffer into another, for vertices from a
+// multiple of four on.
 template <typename T, typename Step>
 void ping_pong(const Settings& settings, int rounds, std::vector<T>& values, Step&& step) {
     std::vector<T> buffers[2] = {std::move(values), {}};
-    buffers[1].resize(buffers[0].size());
-    Team team(threads_for(settings, buffers[0].size()));
+    const size_t vertices = buffers[0].size(), fours = in_fours(vertices) / kLanes;
+    buffers[1].resize(vertices);
+    Team team(threads_for(settings, vertices));
     team.run([&](int thread) {
-        const Team::Range part = team.partition(0, buffers[0].size(), thread);
+        const Team::Range part = team.partition(0, fours, thread);
         for (int round = 0; round < rounds; ++round) {
-            const std::vector<T>& from = buffers[round % 2];
-            for (size_t v = part.begin; v < part.end; ++v) buffers[1 - round % 2][v] = step(v, from);
+            step(kLanes * part.begin, std::min(kLanes * part.end, vertices),
+                 std::as_const(buffers[round % 2]), buffers[1 - round % 2]);
             team.barrier();
         }
     });
@@ -99,23 +109,35 @@ float largest_change(const Waves& waves, std::span<const float> before, std::spa
     return largest;
 }
 
-void align_phases(const Model& model, const Settings& settings, std::span<const Pull> pulls, int rounds,
+void align_phases(const Model& model, const Settings& settings, const Pulls& pulls, int rounds,
                   std::vector<float>& phase) {
     using Complex = std::complex<double>;  // double precision, because the length may shrink in every round
     const auto wave_of = [](double angle) { return Complex(elementary::cos(angle), elementary::sin(angle)); };
-    std::vector<Complex> asked(pulls.size()), waves_at(phase.size());
-    for (size_t i = 0; i < pulls.size(); ++i)
-        asked[i] = double(pulls[i].weight) * wave_of(double(pulls[i].link.offset));
-    for (size_t v = 0; v < phase.size(); ++v) waves_at[v] = wave_of(double(phase[v]));
-    ping_pong(settings, rounds, waves_at, [&](size_t v, const std::vector<Complex>& from) {
+    struct Asked {
+        Complex wave;  // ... of the neighbour, times its weight
+        double weight;
+        bool turned;
+    };
+    std::vector<Asked> asked(model.neighbours.size());
+    std::vector<Complex> waves_at(phase.size());
+    for (size_t v = 0; v < phase.size(); ++v) {
+        waves_at[v] = wave_of(double(phase[v]));
+        pulls.for_each_of(v, [&](Index i, float weight, const formulas::Link& link) {
+            asked[i] = {double(weight) * wave_of(double(link.offset)), weight, link.flip < 0.0f};
+        });
+    }
+    const auto mean = [&](size_t v, const std::vector<Complex>& from) {
         Complex sum = from[v];
         double weights = 1.0;
         for (Index i = model.neighbour_start[v]; i < model.neighbour_start[v + 1]; ++i) {
-            const Complex other = from[pulls[i].vertex];
-            sum += asked[i] * (pulls[i].link.flip < 0.0f ? std::conj(other) : other);
-            weights += pulls[i].weight;
+            const Complex other = from[model.neighbours[i].vertex];
+            sum += asked[i].wave * (asked[i].turned ? std::conj(other) : other);
+            weights += asked[i].weight;
         }
         return sum / weights;
+    };
+    ping_pong(settings, rounds, waves_at, [&](size_t begin, size_t end, const auto& from, auto& to) {
+        for (size_t v = begin; v < end; ++v) to[v] = mean(v, from);
     });
     for (size_t v = 0; v < phase.size(); ++v) {
         const Complex& wave = waves_at[v];
@@ -124,18 +146,26 @@ void align_phases(const Model& model, const Settings& settings, std::span<const 
     }
 }
 
-// active: share of a round that every vertex takes; empty: 1.
-void relax_phases(const Model& model, const Settings& settings, std::span<const Pull> pulls,
-                  std::span<const float> active, int rounds, std::vector<float>& phase) {
-    ping_pong(settings, rounds, phase, [&](size_t v, const std::vector<float>& from) {
-        float sum = 0.0f;
-        for (const Pull& pull : pulls_of(model, pulls, v)) {
-            if (pull.weight > 0.0f)
-                sum += pull.weight * formulas::misfit(pull.link, from[v], from[pull.vertex]);
+void relax_phases(const Model& model, const Settings& settings, const Pulls& pulls, const Activity& active,
+                  int rounds, std::vector<float>& phase) {
+    const NeighbourColumns& columns = model.columns;
+    const auto relaxed = [&](size_t first, auto how_many, const std::vector<float>& from) {
+        const size_t four = first / kLanes;
+        const Lanes own = load_lanes(&from[first], how_many);
+        if (!active.any[four]) return own;
+        Lanes sum{};
+        for (Index c = columns.start[four]; c < columns.start[four + 1]; ++c) {
+            const Pull& pull = pulls[c];
+            const Lanes misfit = lane_formulas::misfit(pull.link, own, gathered(from, columns.vertex[c]));
+            sum += pull.weight > 0.0f ? pull.weight * misfit : 0.0f;
         }
-        const float neighbours = float(model.neighbour_start[v + 1] - model.neighbour_start[v]);
-        return formulas::relaxed(from[v], sum, neighbours,
-                                 settings.rate * (active.empty() ? 1.0f : active[v]));
+        const Lanes rate = settings.rate * load_lanes(&active.share[first], how_many);
+        return lane_formulas::relaxed(own, sum, columns.count[four], rate);
+    };
+    ping_pong(settings, rounds, phase, [&](size_t begin, size_t end, const auto& from, auto& to) {
+        for_each_four(end - begin, [&](size_t first, auto how_many) {
+            store_lanes(relaxed(begin + first, how_many, from), &to[begin + first], how_many);
+        });
     });
 }
 
@@ -156,28 +186,30 @@ void check(const Settings& settings) {
 
 void align(const Model& model, const Settings& settings, const Waves& waves, int rounds,
            std::vector<float>& phase) {
-    align_phases(model, settings, collect_pulls(model, settings, waves), rounds, phase);
+    align_phases(model, settings, Pulls(model, settings, waves), rounds, phase);
 }
 
 void relax(const Model& model, const Settings& settings, const Waves& waves, int rounds,
            std::vector<float>& phase) {
-    relax_phases(model, settings, collect_pulls(model, settings, waves), {}, rounds, phase);
+    const Pulls pulls(model, settings, waves);
+    relax_phases(model, settings, pulls, Activity(model, 1.0f), rounds, phase);
 }
 
 float misfit(const Model& model, const Waves& waves, std::span<const float> phase) {
-    return misfit_of(model, waves, collect_pulls(model, Settings{}, waves), phase);
+    return misfit_of(model, waves, Pulls(model, Settings{}, waves), phase);
 }
 
 void dissolve(const Model& model, const Settings& settings, std::span<const float> phase, Waves& waves) {
     expect_count("phase", phase.size(), waves.height.size(), "welded vertices");
-    const std::vector<Pull> pulls = collect_pulls(model, settings, waves);
+    const Pulls pulls(model, settings, waves);
     for_each_vertex(settings, waves.height.size(), [&](size_t v) {
         float sum = 1.0f, weights = 1.0f;
-        for (const Pull& pull : pulls_of(model, pulls, v)) {
-            sum += pull.weight * formulas::agreement(waves.wave_vector[v], waves.wave_vector[pull.vertex],
-                                                     pull.link, phase[v], phase[pull.vertex]);
-            weights += pull.weight;
-        }
+        pulls.for_each_of(v, [&](Index i, float weight, const formulas::Link& link) {
+            const Index n = model.neighbours[i].vertex;
+            sum += weight *
+                   formulas::agreement(waves.wave_vector[v], waves.wave_vector[n], link, phase[v], phase[n]);
+            weights += weight;
+        });
         waves.height[v] *= formulas::kept_at_fork(sum / weights);
     });
 }
@@ -204,7 +236,7 @@ State solve(const Model& model, const Settings& settings, const Paint& paint, co
     Waves waves = estimate_waves(model, settings, paint, pose,
                                  state ? std::span(state->direction) : std::span<const Vec2>(),
                                  reference_stretches(model, after.reference, pose));
-    const std::vector<Pull> pulls = collect_pulls(model, settings, waves);
+    const Pulls pulls(model, settings, waves);
     after.direction = waves.direction;
     report = {};
     report.rounds = state ? settings.rounds : settings.start_rounds;
@@ -212,15 +244,15 @@ State solve(const Model& model, const Settings& settings, const Paint& paint, co
         after.phase = state->phase;
         after.solved_offset = state->solved_offset;
         report.misfit_before = misfit_of(model, waves, pulls, after.phase);
-        const std::vector<float> active = activity(model, pulls, after.solved_offset);
+        const Activity active = activity(model, pulls, after.solved_offset);
         relax_phases(model, settings, pulls, active, settings.rounds, after.phase);
         report.largest_change = largest_change(waves, state->phase, after.phase);
     } else {
         after.phase = random_phases(model, settings.seed);
-        for (const Pull& pull : pulls) after.solved_offset.push_back(pull.link.offset);
+        after.solved_offset = offsets(model, pulls);
         report.misfit_before = misfit_of(model, waves, pulls, after.phase);
         if (settings.aligned_start) align_phases(model, settings, pulls, settings.start_rounds, after.phase);
-        relax_phases(model, settings, pulls, {}, settings.start_rounds, after.phase);
+        relax_phases(model, settings, pulls, Activity(model, 1.0f), settings.start_rounds, after.phase);
     }
     report.misfit_after = misfit_of(model, waves, pulls, after.phase);
     for (size_t v = 0; v < after.phase.size(); ++v) {

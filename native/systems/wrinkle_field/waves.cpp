@@ -71,21 +71,6 @@ void check_before(const Model& model, std::span<const Vec2> before, std::span<co
     expect_finite("stretches", stretches, "welded vertex");
 }
 
-// The pose without any wave.
-Waves flat_waves(const Pose& pose) {
-    const size_t vertices = pose.positions.size();
-    Waves waves;
-    waves.positions = pose.positions;
-    waves.normals = pose.normals;
-    waves.wave_vector.assign(vertices, Vec3(0.0f));
-    waves.height.assign(vertices, 0.0f);
-    waves.fullness.assign(vertices, 0.0f);
-    waves.compression.assign(vertices, 1.0f);
-    waves.gather.assign(vertices, 1.0f);
-    waves.direction.assign(vertices, Vec2(1.0f, 0.0f));
-    return waves;
-}
-
 // The line along which crests are painted at a vertex, rest frame; zero where nothing is painted.
 Vec2 painted_line(const Model& model, const Paint& paint, size_t v) {
     if (paint.along.empty()) return Vec2(0.0f);
@@ -99,6 +84,83 @@ float share_with_place(std::span<const SpareCloth> spare, size_t v, const Vec3& 
     if (spare.empty() || across == Vec3(0.0f)) return 1.0f;
     const float painted = std::min(std::max(glm::length(q), glm::length(along)), 1.0f);
     return 1.0f - (1.0f - painted) * spare[v].share_without_place(across);
+}
+
+// What the waves of a frame depend on beside its pose.
+struct Crush {
+    const Model& model;
+    const Settings& settings;
+    const Paint& paint;
+    const WaveParameters& parameters;
+    std::span<const Vec2> before;
+    std::span<const Vec3> stretches;
+    std::span<const SpareCloth> spare;
+};
+
+// The waves of four vertices.
+struct FourWaves {
+    lane_formulas::WaveEstimate estimate;
+    Lanes gather;      // |k'|
+    Vec3Lanes across;  // k' in object space
+};
+
+// turn_along() where lines are painted. m, last: M and the direction before.
+void turn_along_lines(const Crush& crush, size_t first, size_t how_many, const lane_formulas::mat2& m,
+                      const Vec2Lanes& last, FourWaves& waves) {
+    for (size_t lane = 0; lane < how_many; ++lane) {
+        const size_t v = first + lane;
+        const Vec2 along = painted_line(crush.model, crush.paint, v);
+        if (along == Vec2(0.0f)) continue;
+        formulas::WaveEstimate estimate = at_lane(waves.estimate, int(lane));
+        float gather = waves.gather[lane];
+        turn_along(along, at_lane(m, int(lane)), crush.parameters.rest_wrinkle[v], last.at(int(lane)),
+                   crush.parameters.turn[v], crush.settings.buckling_threshold, estimate, gather);
+        set_lane(waves.estimate, int(lane), estimate);
+        waves.gather[lane] = gather;
+    }
+}
+
+FourWaves estimate_four(const Crush& crush, const Neighbourhoods& around, size_t first, auto how_many) {
+    const Vec2Lanes q = load_lanes(&crush.parameters.rest_wrinkle[first], how_many),
+                    turn = load_lanes(&crush.parameters.turn[first], how_many),
+                    last = load_lanes(&crush.before[first], how_many);
+    lane_formulas::mat2 m = around.m;
+    if (!crush.stretches.empty())
+        m = lane_formulas::restretched(m, load_lanes(&crush.stretches[first], how_many));
+    FourWaves out;
+    out.estimate = lane_formulas::estimate_wave(m, q, last, turn, crush.settings.buckling_threshold);
+    out.gather = lane_formulas::length(out.estimate.k_deformed);
+    if (!crush.paint.along.empty()) turn_along_lines(crush, first, how_many, m, last, out);
+    out.across = out.estimate.k_deformed.x * around.tangent + out.estimate.k_deformed.y * around.bitangent;
+    return out;
+}
+
+// share_with_place() of four vertices.
+Lanes shares_with_place(const Crush& crush, size_t first, size_t how_many, const Vec3Lanes& across) {
+    Lanes share = all_lanes(1.0f);
+    if (crush.spare.empty()) return share;
+    for (size_t lane = 0; lane < how_many; ++lane) {
+        const size_t v = first + lane;
+        share[lane] = share_with_place(crush.spare, v, across.at(int(lane)), crush.parameters.rest_wrinkle[v],
+                                       painted_line(crush.model, crush.paint, v));
+    }
+    return share;
+}
+
+// Where vertices have no neighbourhood the pose stays without a wave.
+void crush_four(const Crush& crush, const Neighbourhoods& around, size_t first, auto how_many, Waves& waves) {
+    const FourWaves four = estimate_four(crush, around, first, how_many);
+    const Lanes w = load_lanes(&crush.parameters.wavelength[first], how_many),
+                mask = load_lanes(&crush.parameters.mask[first], how_many),
+                share = shares_with_place(crush, first, how_many, four.across),
+                fullness = around.exist ? four.estimate.fullness * mask * share : 0.0f;
+    const auto store = [&](const auto& value, auto& to) { store_lanes(value, &to[first], how_many); };
+    store(fullness, waves.fullness);
+    store(0.25f * w * crush.settings.strength * fullness, waves.height);  // equation (2)
+    store(around.exist ? four.estimate.r : 1.0f, waves.compression);
+    store((around.exist & (four.estimate.fullness > 0.0f)) ? four.gather : 1.0f, waves.gather);
+    store(lane_formulas::chosen(around.exist, four.estimate.k, {1.0f, 0.0f}), waves.direction);
+    store(choose(around.exist, (formulas::kTwoPi / w) * four.across, Vec3Lanes()), waves.wave_vector);
 }
 
 }  // namespace
@@ -153,35 +215,25 @@ Waves estimate_waves(const Model& model, const Settings& settings, const Paint& 
 Waves estimate_waves(const Model& model, const Settings& settings, const Paint& paint, const Pose& pose,
                      std::span<const Vec2> before, std::span<const Vec3> stretches) {
     const WaveParameters parameters = wave_parameters(model, settings, paint);
-    assert(pose.around.size() == model.base.positions_rest.size());
+    assert(pose.around.size() == model.columns.count.size());
     check_before(model, before, stretches);
-    const std::vector<Vec2> first = before.empty() ? first_directions(model) : std::vector<Vec2>();
-    if (before.empty()) before = first;
+    const std::vector<Vec2> start = before.empty() ? first_directions(model) : std::vector<Vec2>();
+    if (before.empty()) before = start;
     std::vector<SpareCloth> spare;
     if (settings.bend_radius > 0.0f)
         spare = spare_cloth(model.base, model.bent_lines, pose.positions, settings.bend_radius);
-    Waves waves = flat_waves(pose);
-    for_each_vertex(settings, pose.positions.size(), [&](size_t v) {
-        const std::optional<Neighbourhood>& around = pose.around[v];
-        if (!around) return;
-        const glm::mat2 m = stretches.empty() ? around->m : formulas::restretched(around->m, stretches[v]);
-        const Vec2 &q = parameters.rest_wrinkle[v], &turn = parameters.turn[v];
-        formulas::WaveEstimate estimate =
-            formulas::estimate_wave(m, q, before[v], turn, settings.buckling_threshold);
-        float gather = glm::length(estimate.k_deformed);
-        const Vec2 along = painted_line(model, paint, v);
-        if (along != Vec2(0.0f))
-            turn_along(along, m, q, before[v], turn, settings.buckling_threshold, estimate, gather);
-        const float w = parameters.wavelength[v];
-        const Vec3 across =
-            estimate.k_deformed.x * around->tangent + estimate.k_deformed.y * around->bitangent;
-        waves.compression[v] = estimate.r;
-        waves.direction[v] = estimate.k;
-        if (estimate.fullness > 0.0f) waves.gather[v] = gather;
-        waves.fullness[v] =
-            estimate.fullness * parameters.mask[v] * share_with_place(spare, v, across, q, along);
-        waves.height[v] = 0.25f * w * settings.strength * waves.fullness[v];  // equation (2)
-        waves.wave_vector[v] = (formulas::kTwoPi / w) * across;
+    const size_t vertices = pose.positions.size();
+    Waves waves{pose.positions,
+                pose.normals,
+                std::vector<Vec3>(vertices),
+                std::vector<float>(vertices),
+                std::vector<float>(vertices),
+                std::vector<float>(vertices),
+                std::vector<float>(vertices),
+                std::vector<Vec2>(vertices)};
+    const Crush crush{model, settings, paint, parameters, before, stretches, spare};
+    for_each_four_vertices(settings, vertices, [&](size_t first, auto how_many) {
+        crush_four(crush, pose.around[first / kLanes], first, how_many, waves);
     });
     return waves;
 }

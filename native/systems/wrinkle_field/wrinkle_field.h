@@ -8,10 +8,10 @@
 #include <array>
 #include <cstdint>
 #include <memory>
-#include <optional>
 #include <vector>
 
 #include "base/formulas.h"
+#include "base/lane_formulas.h"
 #include "surface/mesh/topology.h"
 #include "surface/output/attachments.h"
 #include "surface/output/shown_mesh.h"
@@ -82,6 +82,16 @@ struct Paint {
 // Waves only in the shading of the base's triangles, or as geometry of a fine mesh.
 enum class Output { kShading, kGeometry };
 
+// The neighbours of vertices 4 f to 4 f + 3, which are computed at a time: a column has the first neighbour
+// of each of the four, the next column the second one, and so on.
+struct NeighbourColumns {
+    std::vector<Index> start{0};      // per four vertices: their first column
+    std::vector<LaneIndices> vertex;  // any vertex where the neighbour is missing ...
+    std::vector<Vec2Lanes> gradient;  // Model::Neighbour::gradient; ... and zero
+    std::vector<Lanes> count;         // per four vertices: their numbers of neighbours
+    std::vector<LaneMask> has_frame;  // per four vertices: whether they have a rest frame
+};
+
 // Built once at rest, then immutable; may be shared between objects.
 struct Model {
     struct Neighbour {
@@ -94,6 +104,7 @@ struct Model {
     std::vector<Index> neighbour_start;  // per welded vertex, into neighbours
     std::vector<Neighbour>
         neighbours;                  // along edges of triangles, ascending; the first one defines the frame
+    NeighbourColumns columns;        // the same neighbours
     std::vector<Vec3> tangent_rest;  // per welded vertex: t and b of its rest frame; zero without a normal
     std::vector<Vec3> bitangent_rest;
     std::vector<std::uint32_t> identity;  // hash of its rest position: the seed of its first phase
@@ -171,18 +182,19 @@ WaveParameters wave_parameters(const Model& model, const Settings& settings, con
 // where the compression has no direction.
 std::vector<Vec2> first_directions(const Model& model);
 
-// M from the rest frame of a vertex to its deformed frame (t', b').
-struct Neighbourhood {
-    Vec3 tangent;
-    Vec3 bitangent;
-    glm::mat2 m;
+// M from the rest frames of four vertices to their deformed frames (t', b').
+struct Neighbourhoods {
+    LaneMask exist{};  // false without a normal, in this pose or at rest
+    Vec3Lanes tangent;
+    Vec3Lanes bitangent;
+    lane_formulas::mat2 m;
 };
 
 // Deformed positions and unit normals (or zero) of the welded vertices. positions: as for estimate_waves().
 struct Pose {
     std::vector<Vec3> positions;
     std::vector<Vec3> normals;
-    std::vector<std::optional<Neighbourhood>> around;  // none if there is no normal; empty after weld_pose()
+    std::vector<Neighbourhoods> around;  // per four vertices; empty after weld_pose()
 };
 Pose weld_pose(const Model& model, std::span<const Vec3> positions);
 // Also has M around every vertex, equation (1). Make it once per frame, for all functions of this frame.
