@@ -32,7 +32,8 @@ def picture(scene: Scene, method: str, base_cloth: str, label: str, folder: Path
     for name in scene.garments:
         garment = bpy.context.view_layer.objects.active = bpy.data.objects[name]
         garment.rumple.field.output = "GEOMETRY"
-        getattr(garment.rumple, method.lower()).base_cloth = base_cloth
+        if base_cloth == "OFF":  # else the click chooses it, and settings that suit it
+            getattr(garment.rumple, method.lower()).base_cloth = base_cloth
         assert bpy.ops.object.rumple_add(method=method) == {"FINISHED"}, garment.rumple.message
         assert getattr(garment.rumple, method.lower()).base_cloth == base_cloth
     scheduler.sync_all()
