@@ -302,6 +302,24 @@ class OnCloth(unittest.TestCase):
             self.assertGreater((radius - of_cloth).max(), 1e-3, f"{name} has no folds")
             self.assertLess((radius - of_worn).max(), 2e-4, name)
 
+    def test_folds_without_a_cloth_count_for_others_too(self) -> None:
+        """Folds of leggings, without base cloth and body, came through the skirt over them."""
+        for name in ("FIELD", "SHADED", "PATHS"):
+            at_once = dict(fade=0.0, growth_limit=100.0) if name == "PATHS" else {}
+            settings = replace(KINDS[name], **at_once)
+            fine = self.build(settings)
+            for frame in range(1, 6):
+                shown = self.solve(fine, frame, settings)
+            worn = fine.worn_surface(5.0, self.clip[5], settings)
+            if name == "SHADED":
+                self.assertIsNone(worn)  # the animated mesh
+                continue
+            radius, around = np.linalg.norm(shown.positions[:, :2], axis=1), fine.model.shown.triangle_vertex
+            bare, of_worn = (np.linalg.norm(one[around][..., :2], axis=2).max(axis=1)
+                             for one in (fine.solved_over(5.0, self.clip[5]), worn.positions))
+            self.assertGreater((radius - bare).max(), 1e-3, f"{name} has no folds")
+            self.assertLess((radius - of_worn).max(), 2e-4, name)
+
     def test_the_smooth_cloth_stays_off_a_body_that_it_would_cut_through(self) -> None:
         """The body has ridges half-way between the rings of the cloth, whose vertices know nothing of them."""
         body = tube(96, 20)  # a ring at every ring of the cloth, and one between them

@@ -364,12 +364,13 @@ class Wrinkles(SystemSteps):
 
     def _worn_cloth(self, frame: float, positions: np.ndarray, settings: SystemSettings) -> Body | None:
         """Like worn_surface(), without skin in the garment's own mesh."""
-        cloth = self._cloth_at(frame)
-        if cloth is None or len(cloth.positions) != len(self.base.positions):  # solved on a coarser mesh
+        state, over = self.wrinkles_of(frame), self.solved_over(frame, positions)  # a frame that waits is solved
+        if state is None or len(over) != len(self.base.positions):  # solved on a coarser mesh
             return None
-        pose, state = self._pose_at(frame, positions), self.wrinkles_of(frame)
-        crests = self._crests(settings, cloth.positions, pose, state)
-        return Body(cloth.positions if crests is None else cloth.positions + crests, self.base.triangles)
+        crests = self._crests(settings, over, self._pose_at(frame, positions), state)
+        if crests is None:
+            return None if self._cloth_at(frame) is None else Body(over, self.base.triangles)
+        return Body(over + crests, self.base.triangles)
 
     @functools.cached_property
     def _worn_skin(self) -> OwnSkin:
