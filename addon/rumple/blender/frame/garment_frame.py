@@ -60,7 +60,7 @@ class GarmentFrame:
             raise self._error
         if isinstance(result, engine.FrameResult) and not result.replayed:
             runtime.solving = self.found.seconds + self._seconds
-        runtime.inputs = inputs
+        runtime.inputs = runtime.current = inputs
         messages.set_frame_error(runtime, self.clip_fault)
         unplayed = runtime.evaluator.unplayed_message(inputs.frame, inputs.start) if result.unplayed else ""
         messages.note_unplayed(runtime, unplayed, self.mode == "RENDER")

@@ -45,7 +45,7 @@ def process(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
             written = _solve_levels([pair for pair in objects if pair[0] not in late], objects, scene, depsgraph)
         finally:
             for obj, _ours in objects:
-                runtimes.of(obj).pose = None  # valid only in this call
+                runtimes.of(obj).pose = runtimes.of(obj).current = None  # valid only in this call
         for obj, _ours in objects:
             _note_seconds(runtimes.of(obj), evaluated)
         if written and len(objects) > 1:
@@ -116,9 +116,9 @@ def _needs_structure(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier) 
 def _rebuild_here(objects: list, depsgraph: bpy.types.Depsgraph) -> None:
     """In background mode, rebuild between the passes, with the pose that the old mesh still has."""
     poses = {}
-    for obj, _ours in objects:
+    for obj, nodes_mod in objects:
         with messages.frame_errors(obj, runtimes.of(obj)):
-            poses[obj.name_full] = _posed(obj, depsgraph)
+            poses[obj.name_full] = _posed(obj, depsgraph) if modifier.is_on(nodes_mod, depsgraph) else None
     scheduler.sync_all()
     for obj, _ours in objects:
         runtimes.of(obj).pose = poses.get(obj.name_full)
@@ -190,17 +190,26 @@ def _read(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier, output_obj:
     if depsgraph.mode == "VIEWPORT" and not bpy.app.background:
         fine = runtime.evaluator.in_viewport if inputs.in_viewport else runtime.evaluator
         weight_paint.carry_colours(obj, shown, fine, runtime)
-    if inputs.same_as(runtime.inputs) and runtime.output_key == compat.session_key(shown.data):
-        messages.set_frame_error(runtime, clip_fault)  # clear a message of another state
-        messages.note_unplayed(runtime, runtime.unplayed, depsgraph.mode == "RENDER")
-        return None
-    if depsgraph.mode == "VIEWPORT" and _gave_way(runtime, inputs, scene):
-        messages.note_unplayed(runtime, TWO_SCENES, rendering=False)
+    if _stays(runtime, inputs, compat.session_key(shown.data), scene, depsgraph, clip_fault):
+        runtime.current = inputs
         return None
     disk_frames.follow(obj, runtime)
     runtime.evaluator.settings_are_keyed = properties.are_keyed(obj)
     found = runtime.evaluator.find_frame(inputs)
     return GarmentFrame(obj, nodes_mod, shown, runtime, inputs, scene, depsgraph.mode, clip_fault, found)
+
+
+def _stays(runtime: Runtime, inputs: Inputs, output_key: int, scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph,
+           clip_fault: str) -> bool:
+    """Whether the mesh with this key has these inputs, or must be left to another scene. Sets the messages."""
+    if inputs.same_as(runtime.inputs) and runtime.output_key == output_key:
+        messages.set_frame_error(runtime, clip_fault)  # clear a message of another state
+        messages.note_unplayed(runtime, runtime.unplayed, depsgraph.mode == "RENDER")
+        return True
+    if depsgraph.mode == "VIEWPORT" and _gave_way(runtime, inputs, scene):
+        messages.note_unplayed(runtime, TWO_SCENES, rendering=False)
+        return True
+    return False
 
 
 def _gave_way(runtime: Runtime, inputs: Inputs, scene: bpy.types.Scene) -> bool:
@@ -313,8 +322,7 @@ def _incoming(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier, runtime
     if runtime.pose is not None and len(runtime.pose) == count:
         return runtime.pose
     positions = posed_coarse.positions(obj, count, depsgraph)
-    shown = nodes_mod.show_render if depsgraph.mode == "RENDER" else nodes_mod.show_viewport
-    if positions is None and shown:
+    if positions is None and modifier.is_on(nodes_mod, depsgraph):
         arriving = len(obj.evaluated_get(depsgraph).data.vertices)
         in_render = depsgraph.mode == "RENDER"
         if arriving or in_render or not _evaluate_outputs(nodes_mod, runtime, units.frame_of(depsgraph.scene)):

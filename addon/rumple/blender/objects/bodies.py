@@ -18,8 +18,8 @@ from ...core.base.wording import UserError
 from ...core.mesh.body import Body, digest_of_triangles, is_nearly_closed, joined_rest, side
 from .. import compat
 from ..nodes import path_curves_tree
-from . import (bodies_at_rest, incoming_mesh, made_collections, mesh_reader, messages, modifier, output_mesh,
-               posed_coarse, runtimes, units)
+from . import (baked_surface, bodies_at_rest, incoming_mesh, made_collections, mesh_reader, messages, modifier,
+               output_mesh, posed_coarse, runtimes, units)
 
 Wrinkled = tuple[bpy.types.Object, bpy.types.NodesModifier]
 SURFACES = ("MESH", "CURVE", "SURFACE", "FONT", "META")  # object types that Blender shows with faces
@@ -220,7 +220,7 @@ def _surface(obj: bpy.types.Object, evaluated: bpy.types.Object, body: bpy.types
              depsgraph: bpy.types.Depsgraph) -> Body | None:
     """One body in the object space of the garment; None if it has no faces. Raises UserError."""
     worn = body.evaluated_get(depsgraph)
-    surface = _folded(body, units.frame_of(depsgraph.scene)) or _plain(body, worn, depsgraph)
+    surface = _folded(body) or _plain(body, worn, depsgraph)
     if surface is None:
         return None
     if not np.isfinite(surface.positions).all():
@@ -236,25 +236,25 @@ def _surface(obj: bpy.types.Object, evaluated: bpy.types.Object, body: bpy.types
     return Body(np.ascontiguousarray(transforms.placed(np.array(into, np.float32), surface.positions)), triangles)
 
 
-def _folded(body: bpy.types.Object, frame: float) -> Body | None:
+def _folded(body: bpy.types.Object) -> Body | None:
     """The solved surface in this frame of a garment that is worn under another one. It is solved first: see
     in_levels()."""
-    nodes_mod, runtime = modifier.find(body), runtimes.known(body)
-    if (nodes_mod is None or runtime is None or runtime.evaluator is None or runtime.message
-            or modifier.is_baked(nodes_mod)):
+    runtime = runtimes.known(body)
+    if runtime is None or runtime.current is None or modifier.find(body) is None:
         return None
-    if runtime.inputs is None or runtime.inputs.frame != frame:
-        return None
-    return runtime.evaluator.worn_surface(frame, runtime.inputs.positions, runtime.inputs.settings)
+    now = runtime.current
+    return runtime.evaluator.worn_surface(now.frame, now.positions, now.settings)
 
 
 def _plain(body: bpy.types.Object, worn: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> Body | None:
-    """A body as Blender shows it; of a garment that is not baked, the surface without folds. None if it has no faces.
+    """A body as Blender shows it; of a garment that shows no clip, the surface without folds. None if it has no faces.
     Raises UserError."""
     if body.type != "MESH":
         return _converted(body, worn, depsgraph.mode)
     mesh, positions, nodes_mod = worn.data, None, modifier.find(body)
-    if nodes_mod is not None and not modifier.is_baked(nodes_mod):
+    if nodes_mod is not None and modifier.plays_clip(nodes_mod):
+        mesh, positions = baked_surface.of(body, nodes_mod, depsgraph) or (mesh, None)
+    elif nodes_mod is not None:
         positions = posed_coarse.positions(body, len(incoming_mesh.of(body).vertices), depsgraph)
         mesh = incoming_mesh.of(body) if positions is not None else mesh
     if not len(mesh.polygons):

@@ -50,6 +50,11 @@ def wrinkled_objects() -> Iterator[tuple[bpy.types.Object, bpy.types.NodesModifi
     return iter(_WRINKLED)
 
 
+def is_on(modifier: bpy.types.Modifier, depsgraph: bpy.types.Depsgraph) -> bool:
+    """Whether a depsgraph evaluates it."""
+    return modifier.show_render if depsgraph.mode == "RENDER" else modifier.show_viewport
+
+
 def is_simulation_nodes(modifier: bpy.types.Modifier) -> bool:
     """Whether its nodes have a simulation zone, as in Blender's own Cloth Dynamics."""
     return modifier.type == "NODES" and _simulates(modifier.node_group)

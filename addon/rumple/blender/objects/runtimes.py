@@ -107,6 +107,7 @@ class Runtime(RuntimeBase):
     shows_coarse: bool = False  # the mesh of output_key shows the coarse mesh, not the folds
     asked_for_coarse: bool = False  # by the last redraw
     inputs: Inputs | None = None
+    current: Inputs | None = None  # in a call of solve.process(): of the frame that is found, for garments over it
     result: engine.FrameResult | engine.PreviewFrame | None = None  # content of the mesh of output_key
     fitting: tuple[int, ...] = ()  # output meshes that were compared with the solved mesh
     written_at: tuple[int, float] | None = None  # the scene and its frame that last wrote the output object

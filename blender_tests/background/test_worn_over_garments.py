@@ -1,0 +1,70 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A garment over another one that is baked in a part of its frames, or switched off."""
+from __future__ import annotations
+
+import math
+import unittest
+
+import bpy
+import numpy as np
+from rumple.blender.objects import modifier, runtimes
+from support import cloth_scenes, sleeve
+from support.cloth_scenes import Cloth, forget
+
+LAST, BAKED = 8, 4  # frames
+
+
+class Over(Cloth):
+
+    def setUp(self) -> None:
+        self.outer, self.inner = cloth_scenes.two()
+        sleeve.bend_until(LAST)
+
+    def under(self, frame: int) -> np.ndarray:
+        """What the outer garment lies on in a frame."""
+        sleeve.at(frame)
+        return runtimes.of(self.outer).inputs.body.positions.copy()
+
+
+class BakedInPart(Over):
+
+    def setUp(self) -> None:
+        super().setUp()
+        self.saved()
+        settings = self.inner.rumple
+        settings.bake_scene_range, settings.bake_start, settings.bake_end = False, 1, BAKED
+        sleeve.make_active(self.inner)
+        self.assertEqual(bpy.ops.object.rumple_bake(), {"FINISHED"})
+        forget(self.outer)
+
+    def test_the_order_of_frames_does_not_count(self) -> None:
+        played = {frame: self.under(frame) for frame in range(1, LAST + 1)}
+        for frame in (2, 7, 6, 7, 1, 8, 4, 5, 3):
+            np.testing.assert_array_equal(self.under(frame), played[frame], f"frame {frame}")
+
+    def test_it_lies_on_what_is_shown(self) -> None:
+        for frame in (1, 4, 5, 8, 2, 7):
+            under = self.under(frame)
+            if frame > BAKED:
+                state = runtimes.of(self.inner).evaluator.wrinkles_of(float(frame))
+                np.testing.assert_array_equal(under, state.solved, f"frame {frame}")
+            else:
+                np.testing.assert_allclose(under, sleeve.shown(self.inner), atol=1e-6, err_msg=f"frame {frame}")
+
+
+class SwitchedOff(Over):
+
+    def test_it_lies_on_the_bare_one_in_the_present_pose(self) -> None:
+        sleeve.play(1, BAKED)
+        modifier.find(self.inner).show_viewport = False
+        bend = bpy.data.objects["Arm"].pose.bones["lower"]
+        for angle in (None, 40.0, 80.0):
+            if angle is not None:
+                bend.rotation_euler.z = math.radians(angle)
+            bpy.context.view_layer.update()
+            np.testing.assert_allclose(runtimes.of(self.outer).inputs.body.positions, sleeve.shown(self.inner),
+                                       atol=1e-6, err_msg=f"{angle} degrees")
+
+
+if __name__ == "__main__":
+    unittest.main()
