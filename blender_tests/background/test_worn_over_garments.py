@@ -1,12 +1,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A garment over another one that is baked in a part of its frames, or switched off."""
+"""A garment over another one that is baked in a part of its frames, switched off, or changed after its own bake."""
 from __future__ import annotations
 
 import math
 import unittest
+from unittest import mock
 
 import bpy
 import numpy as np
+from rumple.blender.frame import clip_status
 from rumple.blender.objects import modifier, runtimes
 from support import cloth_scenes, sleeve
 from support.cloth_scenes import Cloth, forget
@@ -50,6 +52,39 @@ class BakedInPart(Over):
                 np.testing.assert_array_equal(under, state.solved, f"frame {frame}")
             else:
                 np.testing.assert_allclose(under, sleeve.shown(self.inner), atol=1e-6, err_msg=f"frame {frame}")
+
+
+class OuterBaked(Over):
+
+    def setUp(self) -> None:
+        super().setUp()
+        self.saved()
+        sleeve.make_active(self.outer)
+        self.assertEqual(bpy.ops.object.rumple_bake(), {"FINISHED"})
+
+    def said(self) -> str:
+        bpy.context.view_layer.update()
+        return runtimes.message(self.outer)
+
+    def test_a_change_of_the_garment_under_it_is_said(self) -> None:
+        settings = self.inner.rumple.mesh
+        for name, value in (("folds", 2.0), ("gravity", 0.5)):
+            former = getattr(settings, name)
+            setattr(settings, name, value)
+            self.assertIn("changed since the bake", self.said(), name)
+            setattr(settings, name, former)
+            self.assertEqual(self.said(), "", name)
+        sleeve.make_active(self.inner)
+        bpy.ops.object.rumple_paint(group="folds")
+        bpy.ops.object.mode_set(mode="OBJECT")
+        self.assertIn("changed since the bake", self.said())
+
+    def test_a_clip_of_an_older_rumple_is_right(self) -> None:
+        scene = bpy.context.scene
+        with mock.patch.object(clip_status, "_wrinkles_under", lambda *_: b""):
+            older = clip_status.inputs_fingerprint(self.outer, scene)
+        self.assertNotEqual(older, clip_status.inputs_fingerprint(self.outer, scene))
+        self.assertTrue(clip_status.is_baked_from(older, self.outer, scene))
 
 
 class SwitchedOff(Over):

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import hashlib
 from pathlib import Path
+from typing import Any
 
 import bpy
 
 from ...core.files import clip_file
 from ...core.files.clip_manifest import ClipFault, Manifest
+from ...core.settings.system_settings import SystemSettings
 from .. import compat
 from ..objects import (bodies, clip_place, evaluator, incoming_mesh, mesh_reader, messages, modifier, posed_coarse,
                        point_caches, properties, runtimes, stack_notes, units)
@@ -53,10 +55,10 @@ def is_simulated_in_front(obj: bpy.types.Object) -> bool:
 
 
 def inputs_fingerprint(obj: bpy.types.Object, scene: bpy.types.Scene) -> str:
-    """Hash of all inputs of a clip except the animation (meshes, settings, frame rate, paint, bodies), and its first
-    frame. scene: the scene in which it is played."""
-    rate = _frame_rate(obj, scene)
-    return f"{_fingerprint(obj, scene, _content_of_bodies(obj) + rate, None)}@{units.first_frame(obj, scene)}"
+    """Hash of all inputs of a clip except the animation (meshes, settings, frame rate, paint, bodies and their
+    wrinkles), and its first frame. scene: the scene in which it is played."""
+    given = _content_of_bodies(obj) + _frame_rate(obj, scene) + _wrinkles_under(obj)
+    return f"{_fingerprint(obj, scene, given, None)}@{units.first_frame(obj, scene)}"
 
 
 def is_baked_from(inputs: str, obj: bpy.types.Object, scene: bpy.types.Scene) -> bool:
@@ -69,8 +71,10 @@ def is_baked_from(inputs: str, obj: bpy.types.Object, scene: bpy.types.Scene) ->
         return fingerprint == _fingerprint(obj, scene, names.encode(), first)
     if not begun.lstrip("-").isdecimal() or int(begun) > first:
         return False
-    now = _content_of_bodies(obj)  # alone: from an older Rumple, without the frame rate
-    return any(fingerprint == _fingerprint(obj, scene, each, None) for each in (now + _frame_rate(obj, scene), now))
+    now, rate = _content_of_bodies(obj), _frame_rate(obj, scene)
+    # from an older Rumple: without the wrinkles of the bodies, and from one before it, without the frame rate
+    known = (now + rate + _wrinkles_under(obj), now + rate, now)
+    return any(fingerprint == _fingerprint(obj, scene, each, None) for each in known)
 
 
 def _frame_rate(obj: bpy.types.Object, scene: bpy.types.Scene) -> bytes:
@@ -86,16 +90,32 @@ def _fingerprint(obj: bpy.types.Object, scene: bpy.types.Scene, given: bytes, fi
     digest.update(repr(settings if first is None else (settings, first)).encode())
     if sees_ahead(obj, scene):
         digest.update(b"whole" if obj.rumple.bake_whole_clip else b"live")
-    for key, weights in sorted(mesh_reader.paint(obj, settings).items()):
-        digest.update(key.encode() + weights.tobytes())
+    _add_paint(digest, obj, settings)
     digest.update(given)
     return digest.hexdigest()
+
+
+def _add_paint(digest: Any, obj: bpy.types.Object, settings: SystemSettings) -> None:
+    for key, weights in sorted(mesh_reader.paint(obj, settings).items()):
+        digest.update(key.encode() + weights.tobytes())
 
 
 def _content_of_bodies(obj: bpy.types.Object) -> bytes:
     """Hash of the bodies' rest meshes. Names are not used, because they change when a character is linked, overridden
     or duplicated."""
     return b"".join(sorted(map(_content, bodies.of(obj))))
+
+
+def _wrinkles_under(obj: bpy.types.Object) -> bytes:
+    """Hash of the settings and the paint of all wrinkled objects that a garment is worn over."""
+    found = []
+    for under in bodies.all_under(obj):
+        if modifier.find(under) is not None:
+            settings = properties.still_settings(under, units.scene_of(under))
+            digest = hashlib.sha1(repr(settings).encode())
+            _add_paint(digest, under, settings)
+            found.append(digest.digest())
+    return b"".join(sorted(found))
 
 
 def _content(body: bpy.types.Object) -> bytes:

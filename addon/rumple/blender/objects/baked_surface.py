@@ -15,7 +15,8 @@ def of(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier,
     """The mesh and its positions in the frame of a depsgraph, of an object that plays its clip. None if something else
     is shown: the modifier is off, or others follow."""
     cache, output = modifier.cache_object(nodes_mod), modifier.output_object(nodes_mod)
-    if cache is None or output is None or [m for m in obj.modifiers if modifier.is_on(m, depsgraph)][-1:] != [nodes_mod]:
+    on = [m for m in obj.modifiers if modifier.is_on(m, depsgraph)]
+    if cache is None or output is None or on[-1:] != [nodes_mod]:
         return None
     points = compat.positions(cache.evaluated_get(depsgraph).data)  # first those of the mesh, then its attributes
     count = len(output.data.vertices)

@@ -19,7 +19,7 @@ from ...core.mesh.body import Body, digest_of_triangles, is_nearly_closed, joine
 from .. import compat
 from ..nodes import path_curves_tree
 from . import (baked_surface, bodies_at_rest, incoming_mesh, made_collections, mesh_reader, messages, modifier,
-               output_mesh, posed_coarse, runtimes, units)
+               output_mesh, posed_coarse, runtimes)
 
 Wrinkled = tuple[bpy.types.Object, bpy.types.NodesModifier]
 SURFACES = ("MESH", "CURVE", "SURFACE", "FONT", "META")  # object types that Blender shows with faces

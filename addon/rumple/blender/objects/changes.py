@@ -30,7 +30,16 @@ def settings_changed(obj: bpy.types.Object, affects: str, structural: bool) -> N
         runtime.build.stop()
         runtime.stale = True
         scheduler.request(scheduler.DELAY)
+    _look_at_clips_over(obj)
     obj.update_tag()
+
+
+def _look_at_clips_over(obj: bpy.types.Object) -> None:
+    """Garments that are worn over a changed one may have clips of its former folds: let these be checked."""
+    for other, nodes_mod in modifier.wrinkled_objects():
+        if modifier.is_baked(nodes_mod) and obj in bodies.all_under(other):
+            runtimes.of(other).stale = True
+            scheduler.request(scheduler.DELAY)
 
 
 # ---------------------------------------------------------------- what an update touched
@@ -83,6 +92,7 @@ def note_updates(depsgraph: bpy.types.Depsgraph) -> None:
             if edited or (own is not None and own.data is not None and compat.session_key(own.data) in touched):
                 runtime.stale = True
                 runtime.paint.forget()
+                _look_at_clips_over(obj)
                 scheduler.request(scheduler.DELAY)  # once per stroke, at its end: frames follow the brush
             elif runtime.paint.values and compat.session_key(obj) in touched and not scheduler.playing():
                 runtime.paint.values = None
