@@ -79,8 +79,7 @@ std::vector<Clearance> clearance_of_samples(const Surface& surface, const CoverM
     return found;
 }
 
-// Of every vertex the largest lift of the samples around it, and the least room: lift, and room if that is
-// less than before.
+// Sets every vertex's lift to the largest one of the samples around it. Lowers its room to their least one.
 void spread_to_vertices(const Surface& surface, const CoverModel& model,
                         std::span<const Clearance> of_samples, std::vector<float>& lift,
                         std::vector<float>& room) {
