@@ -353,7 +353,7 @@ def main() -> None:
         name, make = PICTURES[word]
         with tempfile.TemporaryDirectory() as folder:
             compose(*make(Path(folder)), Path(folder) / "sheet.png")
-            Image.open(Path(folder) / "sheet.png").save(HERE / name, quality=88, optimize=True)
+            Image.open(Path(folder) / "sheet.png").save(HERE / name, quality=82, optimize=True)
 
 
 if __name__ == "__main__":

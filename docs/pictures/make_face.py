@@ -96,7 +96,7 @@ def save(tiles: list[tuple[str, Path]], rows: int, path: Path) -> None:
     from PIL import Image
     sheet = tiles[0][1].with_name("sheet.png")
     compose(tiles, rows, sheet)
-    Image.open(sheet).save(path, quality=88, optimize=True)
+    Image.open(sheet).save(path, quality=82, optimize=True)
 
 
 def main() -> None:

@@ -50,8 +50,8 @@ class SystemSteps(ShownMesh):
 
     # --- for the engine
     def _crests(self, settings: Any, positions: np.ndarray, pose: Pose, state: Any) -> np.ndarray | None:
-        """(n, 3) float32 from the base's vertices to the height of the folds around them, object space. None: these folds
-        have no height. For a garment that is worn over this one. Arguments as in _show()."""
+        """(n, 3) float32 from the base's vertices to the height of the folds around them, object space, for a garment
+        that is worn over this one. None: these folds have no height. Arguments as in _show()."""
         return None
 
     def _status(self, report: Any) -> list[str]:
