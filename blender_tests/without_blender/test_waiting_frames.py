@@ -43,6 +43,13 @@ class Waiting(unittest.TestCase):
         return solve_frame(field, float(frame), self.clip[frame], settings, paint or {}, start=1,
                            for_preview=for_preview, body=body)
 
+    def test_a_garment_over_waves_that_are_only_drawn_lets_them_wait(self) -> None:
+        for frame in (1, 2, 3):
+            self.show(self.field, frame, for_preview=True)
+        solves = self.field.solves
+        self.assertIsNone(self.field.worn_surface(3.0, self.clip[3], SETTINGS))
+        self.assertEqual(self.field.solves, solves)
+
     def same(self, frame: int, settings: FieldSettings = SETTINGS) -> None:
         """What renders show of a frame, with and without the previews before it; and the state that it leaves."""
         found, expected = (self.show(field, frame, settings=settings) for field in (self.field, self.plain))

@@ -12,6 +12,7 @@ from ..cloth.base_cloth import bend_radius
 from ..frame.engine import MOST_VERTICES, PROFILE, Wrinkles
 from ..frame.frame_input import FrameInput
 from ..mesh.base_mesh import BaseMesh
+from ..mesh.body import Body
 from ..mesh.frame_result import COMMON_ATTRIBUTES, Attribute, FrameResult, PreviewFrame
 from ..paint.fold_guides import ALONG
 from ..parts.cloth_surface import checked_surface
@@ -160,6 +161,11 @@ class WrinkleField(Wrinkles):
         # With geometry, or without a UV map, there are no such values: the shader has nothing to do.
         own.update({name: self.on_corners(values) if len(values) else nothing for name, values in corners.items()})
         return self._result(shown, frame_input, **own)
+
+    def _worn_cloth(self, frame: float, positions: np.ndarray, settings: Any) -> Body | None:
+        if settings.output == "SHADING" and self._cloth_at(frame) is None:
+            return None  # only drawn: a frame that waits need not be solved for it
+        return super()._worn_cloth(frame, positions, settings)
 
     def _crests(self, settings: FieldSettings, positions: np.ndarray, pose: Any, state: Any) -> np.ndarray | None:
         if settings.output == "SHADING":
