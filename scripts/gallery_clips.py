@@ -45,7 +45,7 @@ class Clip:
     view: tuple[float, float, float] = (0.55, -1.0, 0.2)  # from the middle to the camera
     distance: float = 3.0  # metres
     raised: float = 0.0  # metres: how far above that middle the camera looks
-    size: tuple[int, int] = (360, 440)  # pixels of a column
+    size: tuple[int, int] = (400, 500)  # pixels of a column
     folder: Path = DATA
     bone: str = ""  # of the demo's skeleton, in the middle of the picture
     dyed: bool = False  # each column has the colour and the gloss of its fabric
@@ -69,23 +69,23 @@ CLIPS = {
     "dressed": Clip("", ("Trousers", "Shirt"), (1, 72), distance=4.4, view=FRONT, looks_at=("Mannequin",)),
     "close": Clip("", ("Trousers", "Shirt"), (1, 72), distance=2.3, view=(0.75, -1.0, 0.15), looks_at=("Shirt",),
                   weave=True),
-    "walk": Clip("S1_walk_shirt", ("trousers", "shirt"), (30, 120), distance=4.6, view=WALKING, raised=0.1),
+    "walk": Clip("S1_walk_shirt", ("trousers", "shirt"), (30, 120), distance=4.6, view=WALKING, raised=0.08),
     "jump": Clip("S2_squat_trousers", ("trousers", "sweater"), (15, 95), distance=5.2, view=WALKING, raised=0.14),
     "suit": Clip("male_elegantsuit01", ("male_elegantsuit01",), (2, 40),
                  (BARE, Column("Wrinkle Mesh, suit", "MESH", "SUIT")), distance=3.6, view=FRONT, raised=0.3,
                  looks_at=("Body",), folder=OUTFITS),
     "sit": Clip("sit", ("Trousers", "Shirt"), (5, 64), distance=4.6, view=(0.9, -1.0, 0.15), looks_at=("Mannequin",),
-                size=(300, 380)),
-    "twist": Clip("twist", ("Shirt",), (1, 78), distance=2.9, view=FRONT, size=(300, 330)),
+                size=(380, 480)),
+    "twist": Clip("twist", ("Shirt",), (1, 78), distance=2.9, view=FRONT, size=(380, 420)),
     "elbow": Clip("elbow", ("Shirt",), (1, 60), (BARE, Column("Wrinkle Mesh, wool", "MESH", "WOOL")), distance=1.35,
-                  view=(1.0, -0.6, 0.1), bone="elbow.L", size=(320, 320), weave=True),
+                  view=(1.0, -0.6, 0.1), bone="elbow.L", size=(400, 400), weave=True),
     "jeans": Clip("jeans", ("Jeans",), (1, 72), (BARE, Column("Wrinkle Mesh, denim", "MESH", "DENIM")), distance=2.7,
-                  view=(0.45, -1.0, 0.15), size=(360, 420)),
+                  view=(0.45, -1.0, 0.15), size=(400, 468)),
     "cape": Clip("cape", ("Trousers", "Shirt", "Cape"), (13, 74), (BARE, Column("Wrinkle Mesh, Swing", "MESH")),
-                 distance=4.6, view=(1.0, 0.3, 0.15), looks_at=("Mannequin",), size=(340, 360), rate=24),
+                 distance=4.6, view=(1.0, 0.3, 0.15), looks_at=("Mannequin",), size=(400, 424), rate=24),
     "painted": Clip("painted", ("Shirt",), (1, 70), (
         Column("What the brush leaves", "FIELD", paint=True), Column("Wrinkle Field, while the hand moves", "FIELD")),
-        distance=1.9, view=(0.25, -1.0, 0.12), raised=0.02, size=(300, 330), rate=6),
+        distance=1.9, view=(0.25, -1.0, 0.12), raised=0.02, size=(380, 420), rate=6),
     "face": Clip("S4_face_expressions", ("Head",), (1, 126), (BARE, Column("Wrinkle Maps", "MAPS")), distance=0.48,
                  view=(0.1, -1.0, 0.05), raised=0.0, size=(320, 330), is_skin=True),
     "skirt": Clip("skirt", ("Skirt",), (1, 60), (Column("As it was animated"), HANG, SWING), distance=3.2,

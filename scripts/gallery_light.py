@@ -6,19 +6,24 @@ is bare and what is wrinkled get the same.
 from __future__ import annotations
 
 import math
+import subprocess
+from collections.abc import Iterable
+from pathlib import Path
 
 import addon_utils
 import bpy
 from demo_shirt import UV_UNITS_PER_METRE
 from mathutils import Vector
 
-SAMPLES, LEAST_SAMPLES, NOISE = 40, 8, 0.035  # most of a pixel, where it is noisy; the noise that is left
+SAMPLES, LEAST_SAMPLES, NOISE = 64, 24, 0.03  # most of a pixel, where it is noisy; the noise that is left
+NON_LOCAL_MEANS = "format=gbrp,nlmeans=s=6:p=5:r=11"  # ffmpeg's filter; Debian's Blender has no denoiser
 # Where the light comes from, watts per square metre, its angle in degrees, colour.
+SOFT_KEY = (-0.75, -0.45, 0.55), 3.4, 14.0, (1.0, 0.96, 0.90)
 SUNS = {
-    "Key": ((-0.75, -0.45, 0.55), 3.4, 14.0, (1.0, 0.96, 0.90)),
+    "Key": ((-0.85, -0.30, 0.50), 4.2, 7.0, (1.0, 0.96, 0.90)),
     "Rim": ((0.55, 0.65, 0.45), 2.0, 10.0, (0.86, 0.92, 1.0)),
 }
-SKY, SKY_STRENGTH = (0.36, 0.40, 0.46), 0.35
+SKY, SKY_STRENGTH, SOFT_SKY_STRENGTH = (0.36, 0.40, 0.46), 0.24, 0.35
 BACKDROP = (0.30, 0.31, 0.32), (0.055, 0.062, 0.075)  # what the camera sees of the sky, at the bottom and at the top
 FLOOR = (0.34, 0.36, 0.39)
 FLOOR_RADIUS = 2.6  # metres: there the floor has faded into the sky
@@ -36,8 +41,8 @@ LOOKS = {
     "SKIN": ((0.62, 0.40, 0.31), 0.5, 0.0), "PAPER": ((0.62, 0.63, 0.64), 0.8, 0.0)}
 
 
-def light(scene: bpy.types.Scene) -> None:
-    """Replace the lights and the world of a scene; materials stay as they are."""
+def light(scene: bpy.types.Scene, soft: bool = False) -> None:
+    """Replace the lights and the world of a scene; materials stay as they are. soft: for faces, with less shadow."""
     addon_utils.enable("cycles")
     scene.render.engine = "CYCLES"
     cycles = scene.cycles
@@ -47,7 +52,7 @@ def light(scene: bpy.types.Scene) -> None:
     scene.view_settings.view_transform, scene.view_settings.look = "Filmic", "Medium High Contrast"
     for lamp in [thing for thing in scene.objects if thing.type == "LIGHT"]:
         bpy.data.objects.remove(lamp)
-    for name, (direction, power, angle, colour) in SUNS.items():
+    for name, (direction, power, angle, colour) in (SUNS | {"Key": SOFT_KEY} if soft else SUNS).items():
         sun = bpy.data.lights.new(name, "SUN")
         sun.energy, sun.angle, sun.color = power, math.radians(angle), colour
         lamp = bpy.data.objects.new(name, sun)
@@ -57,7 +62,7 @@ def light(scene: bpy.types.Scene) -> None:
     world.use_nodes = True
     sky = next(node for node in world.node_tree.nodes if node.type == "BACKGROUND")
     sky.inputs["Color"].default_value = (*SKY, 1.0)
-    sky.inputs["Strength"].default_value = SKY_STRENGTH
+    sky.inputs["Strength"].default_value = SOFT_SKY_STRENGTH if soft else SKY_STRENGTH
     hang_backdrop(world.node_tree, sky)
 
 
@@ -107,6 +112,15 @@ def add_floor(scene: bpy.types.Scene) -> bpy.types.Object:
                          (nodes["MixShader"].outputs[0], nodes["OutputMaterial"].inputs["Surface"])):
         tree.links.new(source, sink)
     return floor
+
+
+def remove_noise(pictures: Iterable[Path]) -> None:
+    """Average patches of a picture that are alike (Buades 2005); each PNG is replaced. Needs ffmpeg."""
+    for picture in pictures:
+        clean = picture.with_suffix(".clean.png")
+        subprocess.run(["ffmpeg", "-loglevel", "error", "-y", "-i", str(picture), "-vf", NON_LOCAL_MEANS, str(clean)],
+                       check=True)
+        clean.replace(picture)
 
 
 def as_cloth(garment: bpy.types.Object, weave: bool) -> None:

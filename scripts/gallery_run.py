@@ -19,7 +19,7 @@ import gallery_scenes  # noqa: E402
 import rumple  # noqa: E402
 from contact_sheet import LENS  # noqa: E402
 from gallery_clips import CLIPS, Clip, Column  # noqa: E402
-from gallery_light import add_floor, as_cloth, dye, light  # noqa: E402
+from gallery_light import add_floor, as_cloth, dye, light, remove_noise  # noqa: E402
 
 LEAD_IN = 12  # frames that are played before the first one that is shown
 CALM = 12  # frames over which the camera's way is averaged
@@ -127,7 +127,7 @@ def render(clip: Clip, column: Column, ways: dict[int, Vector], frames: range, f
     """Its pictures, in a folder."""
     scene = open_scene(clip)
     wrinkle(clip, column)
-    light(scene)
+    light(scene, clip.is_skin)
     for name in clip.garments if not clip.is_skin else ():
         as_cloth(bpy.data.objects[name], clip.weave)
         if clip.dyed:
@@ -167,7 +167,7 @@ def side_by_side(clip: Clip, frames: range, folders: list[Path], out: Path, rate
             pen.text((number * width + 8, 5), column.label, fill=(225, 225, 225), font=font)
         page.save(out / f"{frame:04d}.png")
         pages.append(page)
-    pages[0].save(out.with_suffix(".webp"), save_all=True, append_images=pages[1:], loop=0, quality=70, method=6,
+    pages[0].save(out.with_suffix(".webp"), save_all=True, append_images=pages[1:], loop=0, quality=75, method=6,
                   duration=round(1000.0 / rate))
 
 
@@ -183,6 +183,7 @@ def main() -> None:
         for column, folder in zip(clip.columns, folders):
             folder.mkdir()
             render(clip, column, ways, frames, folder)
+            remove_noise(sorted(folder.glob("*.png")))
         rate = bpy.context.scene.render.fps / frames.step
         side_by_side(clip, frames, folders, out, rate)
     (out / "fps").write_text(f"{rate:g}")
