@@ -3,15 +3,20 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import bpy
 import numpy as np
 from mathutils import Vector
 
+if TYPE_CHECKING:
+    from PIL import ImageFont
+
 TILE = (560, 640)
 VIEW = Vector((-0.55, -1.0, 0.22)).normalized()  # from the target to the camera: half from the side, a little above
 LENS = 85.0
 BACKGROUND = (0.30, 0.32, 0.35)
+LABEL = 26  # pixels above a picture
 
 
 def studio(scene: bpy.types.Scene) -> None:
@@ -54,16 +59,25 @@ def frame_camera(garment: bpy.types.Object, frames: range) -> None:
         camera.keyframe_insert("location", frame=frame)
 
 
+def label_font() -> ImageFont.FreeTypeFont | ImageFont.ImageFont:
+    """Of what stands above a picture; where it is not installed, the small one that Pillow has. Needs Pillow."""
+    from PIL import ImageFont
+    try:
+        return ImageFont.truetype("DejaVuSans.ttf", 14)
+    except OSError:
+        return ImageFont.load_default()
+
+
 def compose(tiles: list[tuple[str, Path]], rows: int, path: Path) -> None:
     """Tiles in columns of `rows`, each with its label, as one PNG. Needs Pillow."""
     from PIL import Image, ImageDraw
     pictures = [(label, Image.open(tile).convert("RGB")) for label, tile in tiles]
     width, height = pictures[0][1].size
-    margin = 20
-    sheet = Image.new("RGB", (width * (len(tiles) // rows), (height + margin) * rows), (24, 24, 26))
+    font = label_font()
+    sheet = Image.new("RGB", (width * (len(tiles) // rows), (height + LABEL) * rows), (24, 24, 26))
     pen = ImageDraw.Draw(sheet)
     for number, (label, picture) in enumerate(pictures):
-        x, y = width * (number // rows), (height + margin) * (number % rows)
-        sheet.paste(picture, (x, y + margin))
-        pen.text((x + 6, y + 4), label, fill=(220, 220, 220))
+        x, y = width * (number // rows), (height + LABEL) * (number % rows)
+        sheet.paste(picture, (x, y + LABEL))
+        pen.text((x + 8, y + 5), label, fill=(225, 225, 225), font=font)
     sheet.save(path, optimize=True)

@@ -50,7 +50,6 @@ class Clip:
     bone: str = ""  # of the demo's skeleton, in the middle of the picture
     dyed: bool = False  # each column has the colour and the gloss of its fabric
     is_skin: bool = False  # no cloth, and nothing stands on a floor
-    weave: bool = False  # seen from so near that the cloth has threads
     rate: int = 12  # frames a second that are rendered, at least: a browser loads every one of them
 
     @property
@@ -67,8 +66,7 @@ HANG, SWING = (Column(label, "MESH", settings=(("base_cloth", value), *WIDE_SKIR
 FRONT, WALKING = (0.32, -1.0, 0.08), (0.5, -1.0, 0.15)
 CLIPS = {
     "dressed": Clip("", ("Trousers", "Shirt"), (1, 72), distance=4.4, view=FRONT, looks_at=("Mannequin",)),
-    "close": Clip("", ("Trousers", "Shirt"), (1, 72), distance=2.3, view=(0.75, -1.0, 0.15), looks_at=("Shirt",),
-                  weave=True),
+    "close": Clip("", ("Trousers", "Shirt"), (1, 72), distance=2.3, view=(0.75, -1.0, 0.15), looks_at=("Shirt",)),
     "walk": Clip("S1_walk_shirt", ("trousers", "shirt"), (30, 120), distance=4.6, view=WALKING, raised=0.08),
     "jump": Clip("S2_squat_trousers", ("trousers", "sweater"), (15, 95), distance=5.2, view=WALKING, raised=0.14),
     "suit": Clip("male_elegantsuit01", ("male_elegantsuit01",), (2, 40),
@@ -78,7 +76,7 @@ CLIPS = {
                 size=(380, 480)),
     "twist": Clip("twist", ("Shirt",), (1, 78), distance=2.9, view=FRONT, size=(380, 420)),
     "elbow": Clip("elbow", ("Shirt",), (1, 60), (BARE, Column("Wrinkle Mesh, wool", "MESH", "WOOL")), distance=1.35,
-                  view=(1.0, -0.6, 0.1), bone="elbow.L", size=(400, 400), weave=True),
+                  view=(1.0, -0.6, 0.1), bone="elbow.L", size=(400, 400)),
     "jeans": Clip("jeans", ("Jeans",), (1, 72), (BARE, Column("Wrinkle Mesh, denim", "MESH", "DENIM")), distance=2.7,
                   view=(0.45, -1.0, 0.15), size=(400, 468)),
     "cape": Clip("cape", ("Trousers", "Shirt", "Cape"), (13, 74), (BARE, Column("Wrinkle Mesh, Swing", "MESH")),

@@ -1,22 +1,19 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The light of the gallery: Cycles, a low sun from the left that shows folds, a cooler one from behind, an even sky and
-a floor that takes shadows; and its cloth, which has the sheen of fibres, and a weave where it is seen from near. What
-is bare and what is wrinkled get the same.
+a floor that takes shadows; and its cloth, which has the sheen of fibres. What is bare and what is wrinkled get the same.
 """
 from __future__ import annotations
 
 import math
 import subprocess
-from collections.abc import Iterable
 from pathlib import Path
 
 import addon_utils
 import bpy
-from demo_shirt import UV_UNITS_PER_METRE
 from mathutils import Vector
 
-SAMPLES, LEAST_SAMPLES, NOISE = 64, 24, 0.03  # most of a pixel, where it is noisy; the noise that is left
-NON_LOCAL_MEANS = "format=gbrp,nlmeans=s=6:p=5:r=11"  # ffmpeg's filter; Debian's Blender has no denoiser
+SAMPLES = 16  # of each pixel
+NON_LOCAL_MEANS = "format=gbrp,nlmeans=s=8:p=5:r=11"  # ffmpeg's filter; Debian's Blender has no denoiser
 # Where the light comes from, watts per square metre, its angle in degrees, colour.
 SOFT_KEY = (-0.75, -0.45, 0.55), 3.4, 14.0, (1.0, 0.96, 0.90)
 SUNS = {
@@ -28,9 +25,6 @@ BACKDROP = (0.30, 0.31, 0.32), (0.055, 0.062, 0.075)  # what the camera sees of 
 FLOOR = (0.34, 0.36, 0.39)
 FLOOR_RADIUS = 2.6  # metres: there the floor has faded into the sky
 SHEEN, SHEEN_TINT, SPECULAR = 0.9, 0.6, 0.15
-THREADS = 340.0  # of the weave in a metre
-BANDS = 20.0 / math.tau  # of Blender's wave texture, of scale 1, in a unit
-WEAVE_HEIGHT = 0.0006  # metres
 # Linear colour, roughness, sheen.
 LOOKS = {
     "COTTON": ((0.24, 0.44, 0.62), 0.85, 0.9), "JERSEY": ((0.46, 0.07, 0.07), 0.9, 0.9),
@@ -46,9 +40,8 @@ def light(scene: bpy.types.Scene, soft: bool = False) -> None:
     addon_utils.enable("cycles")
     scene.render.engine = "CYCLES"
     cycles = scene.cycles
-    cycles.samples, cycles.use_adaptive_sampling, cycles.use_denoising = SAMPLES, True, False
-    cycles.adaptive_min_samples, cycles.adaptive_threshold = LEAST_SAMPLES, NOISE
-    cycles.max_bounces, cycles.diffuse_bounces, cycles.sample_clamp_indirect = 2, 1, 2.0
+    cycles.samples, cycles.use_adaptive_sampling, cycles.use_denoising = SAMPLES, False, False
+    cycles.max_bounces, cycles.diffuse_bounces, cycles.sample_clamp_indirect = 2, 1, 0.5
     scene.view_settings.view_transform, scene.view_settings.look = "Filmic", "Medium High Contrast"
     for lamp in [thing for thing in scene.objects if thing.type == "LIGHT"]:
         bpy.data.objects.remove(lamp)
@@ -114,24 +107,23 @@ def add_floor(scene: bpy.types.Scene) -> bpy.types.Object:
     return floor
 
 
-def remove_noise(pictures: Iterable[Path]) -> None:
-    """Average patches of a picture that are alike (Buades 2005); each PNG is replaced. Needs ffmpeg."""
-    for picture in pictures:
-        clean = picture.with_suffix(".clean.png")
-        subprocess.run(["ffmpeg", "-loglevel", "error", "-y", "-i", str(picture), "-vf", NON_LOCAL_MEANS, str(clean)],
-                       check=True)
-        clean.replace(picture)
+def render(picture: Path) -> None:
+    """Leave the present frame as a PNG; patches of it that are alike are averaged (Buades 2005). Needs ffmpeg."""
+    scene, noisy = bpy.context.scene, picture.with_suffix(".noisy.png")
+    scene.render.image_settings.file_format, scene.render.filepath = "PNG", str(noisy)
+    bpy.ops.render.render(write_still=True)
+    subprocess.run(["ffmpeg", "-loglevel", "error", "-y", "-i", str(noisy), "-vf", NON_LOCAL_MEANS, str(picture)],
+                   check=True)
+    noisy.unlink()
 
 
-def as_cloth(garment: bpy.types.Object, weave: bool) -> None:
-    """Sheen for its materials; weave: fine threads as well, by the UV map of the demo's garments."""
+def as_cloth(garment: bpy.types.Object) -> None:
+    """The sheen of fibres for its materials."""
     for slot in garment.material_slots:
         tree = slot.material.node_tree
         for shader in [node for node in tree.nodes if node.type == "BSDF_PRINCIPLED"]:
             for name, value in (("Sheen", SHEEN), ("Sheen Tint", SHEEN_TINT), ("Specular", SPECULAR)):
                 shader.inputs[name].default_value = value
-            if weave:
-                add_weave(tree, shader)
 
 
 def dye(garment: bpy.types.Object, preset: str) -> None:
@@ -142,24 +134,3 @@ def dye(garment: bpy.types.Object, preset: str) -> None:
         for name, value in (("Base Color", (*colour, 1.0)), ("Roughness", roughness), ("Sheen", sheen),
                             ("Specular", 0.5 if roughness < 0.5 else SPECULAR)):
             shader.inputs[name].default_value = value
-
-
-def add_weave(tree: bpy.types.NodeTree, shader: bpy.types.Node) -> None:
-    """Threads over and under each other, as a bump: in front of what the normal is."""
-    uv, bump = tree.nodes.new("ShaderNodeUVMap"), tree.nodes.new("ShaderNodeBump")
-    height = None
-    for direction in ("X", "Y"):
-        wave = tree.nodes.new("ShaderNodeTexWave")
-        wave.bands_direction = direction
-        wave.inputs["Scale"].default_value = THREADS / UV_UNITS_PER_METRE / BANDS
-        tree.links.new(uv.outputs["UV"], wave.inputs["Vector"])
-        if height is None:
-            height = wave
-        else:
-            both = tree.nodes.new("ShaderNodeMath")
-            both.operation = "MULTIPLY"
-            tree.links.new(height.outputs["Fac"], both.inputs[0])
-            tree.links.new(wave.outputs["Fac"], both.inputs[1])
-            tree.links.new(both.outputs[0], bump.inputs["Height"])
-    bump.inputs["Distance"].default_value = WEAVE_HEIGHT
-    tree.links.new(bump.outputs["Normal"], shader.inputs["Normal"])

@@ -14,16 +14,15 @@ from mathutils import Vector
 
 HERE = Path(__file__).resolve().parent
 sys.path[:0] = [str(HERE), str(HERE.parent / "addon"), os.environ["RUMPLE_NATIVE"]]
+import gallery_light  # noqa: E402
 import gallery_live  # noqa: E402
 import gallery_scenes  # noqa: E402
 import rumple  # noqa: E402
-from contact_sheet import LENS  # noqa: E402
+from contact_sheet import LABEL, LENS, label_font  # noqa: E402
 from gallery_clips import CLIPS, Clip, Column  # noqa: E402
-from gallery_light import add_floor, as_cloth, dye, light, remove_noise  # noqa: E402
 
 LEAD_IN = 12  # frames that are played before the first one that is shown
 CALM = 12  # frames over which the camera's way is averaged
-LABEL = 26  # pixels
 
 
 def arguments() -> argparse.Namespace:
@@ -109,7 +108,7 @@ def place_camera(clip: Clip, ways: dict[int, Vector]) -> None:
 def place_floor(clip: Clip, ways: dict[int, Vector]) -> None:
     """Under the middle of the picture, which it follows, and under the feet: a figure's origin may be at its hips."""
     bpy.context.scene.frame_set(clip.frames[0])
-    floor = add_floor(bpy.context.scene)
+    floor = gallery_light.add_floor(bpy.context.scene)
     floor.location.z = min(0.0, *(corner.z for corner in corners(clip)))
     for frame, middle in ways.items():
         floor.location.xy = middle.xy
@@ -127,11 +126,11 @@ def render(clip: Clip, column: Column, ways: dict[int, Vector], frames: range, f
     """Its pictures, in a folder."""
     scene = open_scene(clip)
     wrinkle(clip, column)
-    light(scene, clip.is_skin)
+    gallery_light.light(scene, clip.is_skin)
     for name in clip.garments if not clip.is_skin else ():
-        as_cloth(bpy.data.objects[name], clip.weave)
+        gallery_light.as_cloth(bpy.data.objects[name])
         if clip.dyed:
-            dye(bpy.data.objects[name], column.preset)
+            gallery_light.dye(bpy.data.objects[name], column.preset)
     place_camera(clip, ways)
     if not clip.is_skin:
         place_floor(clip, ways)
@@ -146,17 +145,13 @@ def render(clip: Clip, column: Column, ways: dict[int, Vector], frames: range, f
             gallery_live.paint_until(bpy.data.objects["Shirt"], frame)
         scene.frame_set(frame)
         if frame in frames:
-            scene.render.filepath = str(folder / f"{frame:04d}.png")
-            bpy.ops.render.render(write_still=True)
+            gallery_light.render(folder / f"{frame:04d}.png")
 
 
 def side_by_side(clip: Clip, frames: range, folders: list[Path], out: Path, rate: float) -> None:
     """Pictures for a video, and an animated WebP."""
-    from PIL import Image, ImageDraw, ImageFont
-    try:
-        font = ImageFont.truetype("DejaVuSans.ttf", 14)
-    except OSError:
-        font = ImageFont.load_default()
+    from PIL import Image, ImageDraw
+    font = label_font()
     width, height = clip.size
     pages = []
     for frame in frames:
@@ -183,7 +178,6 @@ def main() -> None:
         for column, folder in zip(clip.columns, folders):
             folder.mkdir()
             render(clip, column, ways, frames, folder)
-            remove_noise(sorted(folder.glob("*.png")))
         rate = bpy.context.scene.render.fps / frames.step
         side_by_side(clip, frames, folders, out, rate)
     (out / "fps").write_text(f"{rate:g}")

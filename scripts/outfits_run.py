@@ -190,9 +190,8 @@ def render(folder: Path, frames: tuple[int, ...], row: Row | None, obj: bpy.type
         if row is not None:
             check(obj, frame)
         if frame in frames:
-            scene.render.filepath = str(folder / f"{obj.name}_{'bare' if row is None else 'wrinkled'}_{frame}.png")
-            bpy.ops.render.render(write_still=True)
-            pictures.append(Path(scene.render.filepath))
+            pictures.append(folder / f"{obj.name}_{'bare' if row is None else 'wrinkled'}_{frame}.png")
+            gallery_light.render(pictures[-1])
     if row is not None:
         row.frame, row.said = 1e3 * seconds / FRAMES, obj.rumple.message
     return pictures
@@ -227,9 +226,10 @@ def render_one(options: argparse.Namespace, folder: Path, name: str,
     bpy.ops.wm.save_as_mainfile(filepath=str(options.out / f"{name}.blend"), compress=True)
     scene = bpy.context.scene
     gallery_light.light(scene)
+    if name not in WELDED:
+        gallery_light.as_cloth(obj)
     scene.cycles.samples = options.samples
     scene.render.resolution_x, scene.render.resolution_y = TILE
-    scene.render.image_settings.file_format = "PNG"
     bare = render(folder, SHOWN, None, obj)
     scene.frame_set(1)
     row = Row(name, len(obj.data.vertices))

@@ -14,7 +14,7 @@ import os
 import sys
 import tempfile
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import bmesh
@@ -26,13 +26,13 @@ HERE = Path(__file__).resolve().parent
 ROOT = HERE.parents[1]
 sys.path[:0] = [str(ROOT / "addon"), str(ROOT / "scripts"), os.environ["RUMPLE_NATIVE"]]
 import demo_rig  # noqa: E402
+import gallery_light  # noqa: E402
 import rumple  # noqa: E402
-from contact_sheet import compose, studio  # noqa: E402
+from contact_sheet import TILE, compose, studio  # noqa: E402
 from rumple.blender import scheduler  # noqa: E402
 from rumple.blender.objects import bodies, modifier, properties  # noqa: E402
 
 LEAD_IN = 15  # frames that are played before the first one that is shown
-SAMPLES = 48
 Tile = tuple[str, Path]
 
 
@@ -47,15 +47,13 @@ class Scene:
     view: Vector  # from the middle to the camera, metres
     lens: float = 82.0
     raised: float = 0.0  # metres: how far above that middle it looks
-    key: Vector = field(default_factory=lambda: Vector((0.65, 0.95, -0.8)))  # which way the light shines
 
 
 S1 = Scene("S1_walk_shirt", ("trousers", "shirt"), ("shirt", "trousers"), (40, 61, 100), Vector((1.5, -2.6, 0.5)),
-           raised=0.2, key=Vector((-1.0, 0.1, -0.8)))
+           raised=0.2)
 S2 = Scene("S2_squat_trousers", ("trousers", "sweater"), ("sweater", "trousers"), (30, 51, 63),
            Vector((1.5, -2.6, 0.5)), raised=0.06)
-SHIRT = Scene("S1_walk_shirt", ("trousers", "shirt"), ("shirt",), (61,), Vector((1.0, -1.75, 0.25)), 84.0,
-              key=S1.key)
+SHIRT = Scene("S1_walk_shirt", ("trousers", "shirt"), ("shirt",), (61,), Vector((1.0, -1.75, 0.25)), 84.0)
 FIGURE = replace(S1, frames=(61,), lens=100.0, raised=0.31)
 ONE_LAYER = {"base_cloth": "OFF", "layers": "ONE"}
 
@@ -87,26 +85,16 @@ def open_scene(scene: Scene, settings: dict[str, object] | None, preset: str = "
         print("CLOTH", scene.file, name, values.base_cloth, values.layers, f"{values.wavelength:.3f}",
               [body.name for body in bodies.of(obj)], obj.rumple.message)
     scheduler.sync_all()
-    set_up_render(scene.key)
+    set_up_render(scene.garments)
 
 
-def set_up_render(direction: Vector) -> None:
-    """Cycles with a key light that rakes over the cloth. Little light comes from elsewhere: folds show by shadows."""
+def set_up_render(garments: tuple[str, ...], size: tuple[int, int] = (520, 560)) -> None:
+    """The light and the cloth of the gallery."""
     scene = bpy.context.scene
-    scene.render.engine = "CYCLES"
-    scene.cycles.samples, scene.cycles.use_denoising = SAMPLES, False
-    scene.cycles.max_bounces = 3
-    scene.render.resolution_x, scene.render.resolution_y, scene.render.resolution_percentage = 520, 560, 100
-    scene.view_settings.view_transform = "Standard"
-    scene.world = bpy.data.worlds.new("Sky")
-    if bpy.app.version < (5, 0, 0):
-        scene.world.use_nodes = True
-    background = next(n for n in scene.world.node_tree.nodes if n.type == "BACKGROUND")
-    background.inputs["Color"].default_value = (0.13, 0.137, 0.145, 1.0)
-    key = next(obj for obj in scene.objects if obj.type == "LIGHT")
-    key.animation_data_clear()
-    key.data.energy, key.data.angle = 3.3, 0.2
-    key.rotation_euler = direction.to_track_quat("-Z", "Y").to_euler()
+    gallery_light.light(scene)
+    scene.render.resolution_x, scene.render.resolution_y, scene.render.resolution_percentage = *size, 100
+    for name in garments:
+        gallery_light.as_cloth(bpy.data.objects[name])
 
 
 def middles(scene: Scene) -> dict[int, Vector]:
@@ -125,6 +113,8 @@ def middles(scene: Scene) -> dict[int, Vector]:
 
 
 def render(path: Path) -> None:
+    if bpy.context.scene.render.engine == "CYCLES":
+        return gallery_light.render(path)
     bpy.context.scene.render.filepath = str(path)
     bpy.ops.render.render(write_still=True)
 
@@ -263,12 +253,14 @@ def layers(folder: Path) -> tuple[list[Tile], int]:
 
 
 def fabrics(folder: Path) -> tuple[list[Tile], int]:
-    """Shirt and trousers of one fabric."""
+    """Shirt and trousers of one fabric, with its colour and gloss."""
     at = middles(FIGURE)
     open_scene(FIGURE, None)
     tiles = play(FIGURE, at, lambda frame: "As animated", folder)
     for preset in ("SILK", "JERSEY", "COTTON", "WOOL", "DENIM", "LEATHER", "STRETCH"):
         open_scene(FIGURE, {}, preset)
+        for name in FIGURE.garments:
+            gallery_light.dye(bpy.data.objects[name], preset)
         tiles += play(FIGURE, at, lambda frame, preset=preset: preset.title(), folder)
     return tiles, 2
 
@@ -295,7 +287,7 @@ def dress(folder: Path) -> tuple[list[Tile], int]:
     import dress_scene
     garment = dress_scene.build_dress_scene()
     assert bpy.ops.object.rumple_add(method="MESH") == {"FINISHED"}
-    return before_and_after([garment], (10, 30, 48), folder)
+    return before_and_after([garment], (10, 30, 48), folder, gallery=True)
 
 
 def cape(folder: Path) -> tuple[list[Tile], int]:
@@ -310,13 +302,17 @@ def cape(folder: Path) -> tuple[list[Tile], int]:
     for garment in garments:
         bpy.context.view_layer.objects.active = garment
         assert bpy.ops.object.rumple_add(method="MESH") == {"FINISHED"}
-    return before_and_after(garments, (1, 24), folder)
+    return before_and_after(garments, (1, 24), folder, gallery=True)
 
 
 def before_and_after(garments: list[bpy.types.Object], frames: tuple[int, ...], folder: Path,
-                     percent: int = 100) -> tuple[list[Tile], int]:
-    """In the studio of the demo, played from the start."""
-    studio(bpy.context.scene)
+                     percent: int = 100, gallery: bool = False) -> tuple[list[Tile], int]:
+    """In the studio of the demo, or in the light of the gallery, played from the start."""
+    if gallery:
+        set_up_render(tuple(garment.name for garment in garments), TILE)
+        gallery_light.add_floor(bpy.context.scene)
+    else:
+        studio(bpy.context.scene)
     bpy.context.scene.render.resolution_percentage = percent
     tiles: list[Tile] = []
     for frame in range(1, frames[-1] + 1):

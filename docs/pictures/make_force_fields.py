@@ -114,8 +114,7 @@ def main() -> None:
                 scene.frame_set(frame)
                 if frame in FRAMES:
                     found[frame, row] = f"{name}, frame {frame}", Path(folder) / f"{name}{frame}.png"
-                    scene.render.filepath = str(found[frame, row][1])
-                    bpy.ops.render.render(write_still=True)
+                    gallery_light.render(found[frame, row][1])
         compose([found[key] for key in sorted(found)], 2, Path(folder) / "sheet.png")
         from PIL import Image
         Image.open(Path(folder) / "sheet.png").save(HERE / "force_fields.jpg", quality=86, optimize=True)

@@ -18,32 +18,31 @@ from mathutils import Vector
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parents[1]
 sys.path[:0] = [str(ROOT / "addon"), str(ROOT / "scripts"), os.environ["RUMPLE_NATIVE"]]
+import gallery_light  # noqa: E402
 import rumple  # noqa: E402
 from contact_sheet import compose  # noqa: E402
 from rumple.core.systems.all_systems import SYSTEMS  # noqa: E402
 
-FIRST, FRAME = 9, 59
+FIRST, FRAME = 9, 45
+TOWARDS, DISTANCE, LENS = Vector((-0.42, -0.9, 0.08)), 2.5, 62.0  # from the middle of the figure to the camera
+SIZE = 560, 640
+GARMENTS = "trousers", "sweater"
 
 
-def look(path: Path, lens: float = 72.0, size: tuple[int, int] = (560, 560)) -> None:
-    scene = bpy.context.scene
-    scene.render.engine = "CYCLES"
-    scene.cycles.samples, scene.cycles.use_denoising = 48, False
-    scene.render.resolution_x, scene.render.resolution_y, scene.render.resolution_percentage = *size, 100
-    trousers = bpy.data.objects["trousers"].evaluated_get(bpy.context.evaluated_depsgraph_get())
-    middle = sum((trousers.matrix_world @ Vector(corner) for corner in trousers.bound_box), Vector()) / 8.0
+def look(path: Path) -> None:
+    scene, depsgraph = bpy.context.scene, bpy.context.evaluated_depsgraph_get()
+    gallery_light.light(scene)
+    for name in GARMENTS:
+        gallery_light.as_cloth(bpy.data.objects[name])
+    scene.render.resolution_x, scene.render.resolution_y, scene.render.resolution_percentage = *SIZE, 100
+    body = bpy.data.objects["Body"].evaluated_get(depsgraph)
+    middle = sum((body.matrix_world @ Vector(corner) for corner in body.bound_box), Vector()) / 8.0
     camera = bpy.data.objects.new("View", bpy.data.cameras.new("View"))
     scene.collection.objects.link(camera)
-    place, target = middle + Vector((1.3, -2.2, 0.5)), middle + Vector((0.0, 0.0, 0.1))
-    camera.location, camera.rotation_euler = place, (target - place).to_track_quat("-Z", "Y").to_euler()
-    camera.data.lens, scene.camera = lens, camera
-    scene.world = bpy.data.worlds.new("Sky")
-    if bpy.app.version < (5, 0, 0):
-        scene.world.use_nodes = True
-    background = next(n for n in scene.world.node_tree.nodes if n.type == "BACKGROUND")
-    background.inputs["Color"].default_value = (0.25, 0.27, 0.3, 1.0)
-    scene.render.filepath = str(path)
-    bpy.ops.render.render(write_still=True)
+    camera.location = middle + DISTANCE * TOWARDS + Vector((0.0, 0.0, 0.14))
+    camera.rotation_euler = TOWARDS.to_track_quat("Z", "Y").to_euler()
+    camera.data.lens, scene.camera = LENS, camera
+    gallery_light.render(path)
 
 
 def main() -> None:
@@ -52,7 +51,7 @@ def main() -> None:
         tiles = []
         for method in (None, *SYSTEMS):
             bpy.ops.wm.open_mainfile(filepath=str(ROOT.parent / "shared" / "data" / "S2_squat_trousers.blend"))
-            for garment in ("trousers", "sweater") if method else ():
+            for garment in GARMENTS if method else ():
                 bpy.context.view_layer.objects.active = bpy.data.objects[garment]
                 assert bpy.ops.object.rumple_add(method=method) == {"FINISHED"}
             for frame in range(FIRST, FRAME + 1):

@@ -68,8 +68,7 @@ def render(path: Path) -> None:
     scene.cycles.samples = SAMPLES
     scene.render.resolution_x = scene.render.resolution_y = 2 * SIZE
     scene.render.resolution_percentage = 100
-    scene.render.filepath = str(path)
-    bpy.ops.render.render(write_still=True)
+    gallery_light.render(path)
 
 
 def save_small(picture: Image.Image, path: Path) -> None:
