@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The light of the gallery: Cycles, a low sun from the left that shows folds, a cooler one from behind, an even sky and
-a floor that takes shadows; and its cloth, which has the sheen of fibres. What is bare and what is wrinkled get the same.
+a floor that takes shadows; and its cloth, which has the sheen of fibres. What is bare and what is wrinkled get the
+same.
 """
 from __future__ import annotations
 

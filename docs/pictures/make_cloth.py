@@ -52,7 +52,7 @@ class Scene:
 S1 = Scene("S1_walk_shirt", ("trousers", "shirt"), ("shirt", "trousers"), (40, 61, 100), Vector((1.5, -2.6, 0.5)),
            raised=0.2)
 S2 = Scene("S2_squat_trousers", ("trousers", "sweater"), ("sweater", "trousers"), (30, 51, 63),
-           Vector((1.5, -2.6, 0.5)), raised=0.06)
+           Vector((-1.2, -2.7, 0.35)), raised=0.06)
 SHIRT = Scene("S1_walk_shirt", ("trousers", "shirt"), ("shirt",), (61,), Vector((1.0, -1.75, 0.25)), 84.0)
 FIGURE = replace(S1, frames=(61,), lens=100.0, raised=0.31)
 ONE_LAYER = {"base_cloth": "OFF", "layers": "ONE"}
