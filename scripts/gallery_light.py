@@ -13,8 +13,8 @@ import addon_utils
 import bpy
 from mathutils import Vector
 
-SAMPLES = 16  # of each pixel
-NON_LOCAL_MEANS = "format=gbrp,nlmeans=s=8:p=5:r=11"  # ffmpeg's filter; Debian's Blender has no denoiser
+SAMPLES = 32  # of each pixel
+NON_LOCAL_MEANS = "format=gbrp,nlmeans=s=6:p=5:r=11"  # ffmpeg's filter; Debian's Blender has no denoiser
 # Where the light comes from, watts per square metre, its angle in degrees, colour.
 SOFT_KEY = (-0.75, -0.45, 0.55), 3.4, 14.0, (1.0, 0.96, 0.90)
 SUNS = {
