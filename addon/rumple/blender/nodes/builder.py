@@ -101,6 +101,14 @@ class GeometryNodes(Nodes):
         self.put(index, compat.socket(node.inputs, "Index"))
         return compat.socket(node.outputs, "Value")
 
+    def largest(self, geometry: Socket, value: Socket) -> Socket:
+        """The largest number at a point of a geometry; 0 if it has none. Unlike at() it copies no mesh in 3.4, where
+        each Sample Index node copies the mesh of an object or of the modifier's input before it reads it."""
+        node = self.node("GeometryNodeAttributeStatistic", data_type="FLOAT", domain="POINT")
+        self.link(geometry, node, "Geometry")
+        self.link(value, node, "Attribute")
+        return compat.socket(node.outputs, "Max")
+
     def sample(self, geometry: Socket, index: Socket) -> Socket:
         """Position of the point `index` of a geometry."""
         return self.at(geometry, self.position(), index)

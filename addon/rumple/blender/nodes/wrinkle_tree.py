@@ -19,7 +19,7 @@ Attributes, all starting with "rumple_":
     rumple_corner_0, _1, _2   INT     incoming points the vertex is embedded in
     rumple_barycentric        VECTOR  (u, v, 0)
     rumple_local_offset       VECTOR  (o.x, o.y, o.z), rewritten for every frame
-    rumple_stands_in          INT     on the first point: 1 if viewports show the coarse mesh, moved by
+    rumple_stands_in          INT     on all points: 1 if viewports show the coarse mesh, moved by
     rumple_stand_in           VECTOR  the displacement of point i; see preview.py
   on the result, for Rumple itself
     rumple_base_position      VECTOR  incoming position of point i, on the first N points
@@ -44,7 +44,7 @@ from .. import compat
 from .builder import GeometryNodes, empty_modifier_group
 from .output_flags import THRESHOLD, Flag
 
-VERSION = 9  # increase it when the nodes change: trees in older files are then rebuilt in place
+VERSION = 10  # increase it when the nodes change: trees in older files are then rebuilt in place
 VERSION_KEY = "rumple_wrinkle_mesh_version"
 METHOD_KEY = "rumple_method"
 
@@ -164,7 +164,7 @@ class _Builder(GeometryNodes):
     def uses_proxy(self, carried: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
         """Whether this is a viewport that shows the coarse mesh."""
         return self.both(self.node("GeometryNodeIsViewport").outputs[0],
-                         self.at(carried, self.named(SHOWS_PROXY, "INT"), 0, "INT"))
+                         self.above(self.largest(carried, self.named(SHOWS_PROXY, "INT")), 0.5))
 
     def coarse(self, geometry: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
         """The coarse mesh with the attributes that the first pass of a frame needs: see frame/first_pass.py."""
