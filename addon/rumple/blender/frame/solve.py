@@ -42,7 +42,8 @@ def process(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
             if scheduler.allowed_now() and (changes.take_converted() or any(
                     _needs_structure(obj, nodes_mod) for obj, nodes_mod in objects)):
                 _rebuild_here(objects, depsgraph)
-            written = _solve_levels([pair for pair in objects if pair[0] not in late], objects, scene, depsgraph)
+            with bodies.read_once():
+                written = _solve_levels([pair for pair in objects if pair[0] not in late], objects, scene, depsgraph)
         finally:
             for obj, _ours in objects:
                 runtimes.of(obj).pose = runtimes.of(obj).current = None  # valid only in this call

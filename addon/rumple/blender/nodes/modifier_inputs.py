@@ -11,7 +11,7 @@ from .. import compat
 
 def get_input(nodes_mod: bpy.types.NodesModifier, name: str) -> Any:
     """The value of an input; None if it was never set, or if an older group does not have it."""
-    identifier = compat.group_sockets(nodes_mod.node_group, "INPUT").get(name)
+    identifier = compat.socket_identifier(nodes_mod.node_group, name)
     return compat.modifier_input(nodes_mod, identifier) if identifier else None
 
 

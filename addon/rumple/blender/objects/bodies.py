@@ -8,22 +8,23 @@ Everything except connecting only reads, so any handler may call it.
 from __future__ import annotations
 
 import weakref
-from typing import Any, Callable, NamedTuple
+from contextlib import contextmanager
+from typing import Any, Callable, Iterator, NamedTuple
 
 import bpy
 import numpy as np
 
 from ...core.base import transforms
 from ...core.base.wording import UserError
-from ...core.mesh.body import Body, digest_of_triangles, is_nearly_closed, joined_rest, side
+from ...core.mesh.body import Body, digest_of_triangles, joined_rest
 from .. import compat
 from ..nodes import path_curves_tree
 from . import (baked_surface, bodies_at_rest, incoming_mesh, made_collections, mesh_reader, messages, modifier,
                output_mesh, posed_coarse, runtimes)
+from .body_triangles import Connections, Triangulated
 
 Wrinkled = tuple[bpy.types.Object, bpy.types.NodesModifier]
 SURFACES = ("MESH", "CURVE", "SURFACE", "FONT", "META")  # object types that Blender shows with faces
-_SOME = 1_000  # triangles, see _Triangulated
 
 
 # ---------------------------------------------------------------- which
@@ -220,7 +221,7 @@ def _surface(obj: bpy.types.Object, evaluated: bpy.types.Object, body: bpy.types
              depsgraph: bpy.types.Depsgraph) -> Body | None:
     """One body in the object space of the garment; None if it has no faces. Raises UserError."""
     worn = body.evaluated_get(depsgraph)
-    surface = _folded(body) or _plain(body, worn, depsgraph)
+    surface = _folded(body) or _plain_once(body, worn, depsgraph)
     if surface is None:
         return None
     if not np.isfinite(surface.positions).all():
@@ -244,6 +245,30 @@ def _folded(body: bpy.types.Object) -> Body | None:
         return None
     now = runtime.current
     return runtime.evaluator.worn_surface(now.frame, now.positions, now.settings)
+
+
+_read_now: dict[int, Body | None] | None = None  # by session key; None: outside of read_once()
+
+
+@contextmanager
+def read_once() -> Iterator[None]:
+    """Inside this context bodies that are no garments of this frame are read once, for all garments that are worn over
+    them. Nothing may be evaluated in it."""
+    global _read_now
+    _read_now = {}
+    try:
+        yield
+    finally:
+        _read_now = None
+
+
+def _plain_once(body: bpy.types.Object, worn: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> Body | None:
+    if _read_now is None:
+        return _plain(body, worn, depsgraph)
+    key = compat.session_key(body)
+    if key not in _read_now:
+        _read_now[key] = _plain(body, worn, depsgraph)
+    return _read_now[key]
 
 
 def _plain(body: bpy.types.Object, worn: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> Body | None:
@@ -279,45 +304,6 @@ def _converted(body: bpy.types.Object, worn: bpy.types.Object, mode: str) -> Bod
 ByDepsgraph = tuple[int, str]  # session key of an object, and depsgraph.mode
 
 
-class _Connections(NamedTuple):
-    """The connectivity of a mesh."""
-
-    counts: tuple[int, int, int]
-    corners: np.ndarray
-
-    @classmethod
-    def of(cls, mesh: bpy.types.Mesh) -> "_Connections":
-        return cls((len(mesh.vertices), len(mesh.polygons), len(mesh.loops)), compat.corner_vertices(mesh))
-
-    def same_as(self, other: "_Connections") -> bool:
-        return self.counts == other.counts and np.array_equal(self.corners, other.corners)
-
-
-class _Triangulated(NamedTuple):
-    """The triangles of a body."""
-
-    connections: _Connections
-    outwards: np.ndarray  # triangles that face outwards at rest
-    some: np.ndarray  # about _SOME of these, from the whole mesh: enough to recognise a mirrored body
-    mirrored: np.ndarray | None  # all, reversed; None if mirroring cannot be distinguished from bending
-
-    @classmethod
-    def of(cls, rest: bpy.types.Mesh, connections: _Connections) -> "_Triangulated":
-        found, positions = compat.triangle_vertices(rest), compat.positions(rest)
-        faced, may_turn = side(positions, found), is_nearly_closed(positions, found)
-        turned = np.ascontiguousarray(found[:, ::-1])
-        outwards, inwards = (turned, found) if faced < 0 else (found, turned)
-        some = np.ascontiguousarray(outwards[::max(len(outwards) // _SOME, 1)])
-        return cls(connections, outwards, some, inwards if faced and may_turn else None)
-
-    def facing_outwards(self, positions: np.ndarray) -> np.ndarray:
-        """The triangles that face outwards in a pose. Mostly a test of some of them suffices: a test of 28,000 takes 2
-        ms."""
-        if self.mirrored is None or side(positions, self.some) > 0 or side(positions, self.outwards) >= 0:
-            return self.outwards
-        return self.mirrored
-
-
 class _Joined(NamedTuple):
     """The triangles of all bodies of a garment, and the values that they depend on."""
 
@@ -329,7 +315,7 @@ class _Joined(NamedTuple):
     rest_of: Any  # the values that `rest` depends on, beside the triangles
 
 
-_triangulated: dict[ByDepsgraph, _Triangulated] = {}  # by body
+_triangulated: dict[ByDepsgraph, Triangulated] = {}  # by body
 _turned: dict[ByDepsgraph, tuple[weakref.ref[np.ndarray], np.ndarray]] = {}  # by body: triangles, and reversed
 _joined: dict[ByDepsgraph, _Joined] = {}  # by garment
 _TABLES: tuple[dict[ByDepsgraph, Any], ...] = (_triangulated, _turned, _joined)
@@ -391,10 +377,10 @@ def _triangles(body: bpy.types.Object, mesh: bpy.types.Mesh, positions: np.ndarr
     first frame. The triangles of an inside-out body are reversed, whether it is so at rest or is mirrored in a frame
     (by nodes or a bone).
     """
-    key, now = (compat.session_key(body), mode), _Connections.of(mesh)
+    key, now = (compat.session_key(body), mode), Connections.of(mesh)
     kept = _triangulated.get(key)
     if kept is None or not kept.connections.same_as(now):
         meshes = (body.data, incoming_mesh.of(body)) if body.type == "MESH" else ()
-        rest = next((known for known in meshes if _Connections.of(known).same_as(now)), mesh)
-        kept = _triangulated[key] = _Triangulated.of(rest, now)
+        rest = next((known for known in meshes if Connections.of(known).same_as(now)), mesh)
+        kept = _triangulated[key] = Triangulated.of(rest, now)
     return kept.facing_outwards(positions)

@@ -181,7 +181,7 @@ def viewport_output(modifier: bpy.types.NodesModifier) -> bpy.types.Object | Non
 
 def can_show_in_viewport(modifier: bpy.types.NodesModifier) -> bool:
     """Whether viewports can show a different mesh. They cannot if the node group is of an older version and linked."""
-    return wrinkle_tree.VIEWPORT_OUTPUT in compat.group_sockets(modifier.node_group, "INPUT")
+    return compat.socket_identifier(modifier.node_group, wrinkle_tree.VIEWPORT_OUTPUT) is not None
 
 
 def set_viewport_output(modifier: bpy.types.NodesModifier, new: bpy.types.Object | None) -> None:
@@ -256,7 +256,7 @@ def bodies(modifier: bpy.types.NodesModifier) -> tuple[bpy.types.Object | None, 
 
 def can_name_bodies(modifier: bpy.types.NodesModifier) -> bool:
     """Whether the modifier has the inputs for bodies. A linked node group of an older version does not."""
-    return wrinkle_tree.BODIES in compat.group_sockets(modifier.node_group, "INPUT")
+    return compat.socket_identifier(modifier.node_group, wrinkle_tree.BODIES) is not None
 
 
 def set_bodies(modifier: bpy.types.NodesModifier, body: bpy.types.Object | None,

@@ -213,12 +213,12 @@ class BaseCloth:
         to_scale = self.size_factor / self.unit_scale
         for name in BENT:
             setattr(options, name, getattr(options, name) * stiffness_over_cotton(settings.bending_length))
-        gravity = GRAVITY * settings.gravity * to_scale * downwards(world_from_object)
-        options.gravity = tuple(float(g) for g in gravity)
+        down = downwards(world_from_object)
+        options.gravity = (GRAVITY * settings.gravity * to_scale * down).tolist()
         if settings.base_cloth == "OFF":
             options.steps = options.start_steps = 0  # only moves the animated mesh out of the body
         options.follow = FOLLOW
-        options.slack, options.hang = settings.slack, hanging(settings.gravity, world_from_object)
+        options.slack, options.hang = settings.slack, _hanging(settings.gravity, down)
         options.friction = settings.friction
         options.room, options.slide_room = settings.room / self.unit_scale, settings.slide_room / self.unit_scale
         options.thickness = self.thickness(settings)
@@ -235,7 +235,11 @@ def downwards(world_from_object: np.ndarray | None) -> np.ndarray:
 def hanging(gravity: float, world_from_object: np.ndarray | None) -> tuple[float, ...]:
     """The direction in which its own weight pulls cloth taut: object space, length 0 to 1. gravity: 1 is the
     earth's."""
-    return tuple(float(part) for part in np.clip(gravity, 0.0, 1.0) * downwards(world_from_object))
+    return _hanging(gravity, downwards(world_from_object))
+
+
+def _hanging(gravity: float, down: np.ndarray) -> tuple[float, ...]:
+    return tuple((min(max(gravity, 0.0), 1.0) * down).tolist())
 
 
 def suggested_follow(surface: Any, up: str) -> np.ndarray:

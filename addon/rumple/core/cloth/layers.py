@@ -75,7 +75,7 @@ def wide_share(above: int, finest: float) -> float:
     """1 for a wide layer, 0 for the finest one. above: how many layers lie on this one, 0 for the finest, negative for
     layers that exist only where folds are painted narrower. finest: strength of the finest layer, 0 to 1. While it is
     0, the layer below counts as the finest."""
-    return float(np.clip(above - 1.0 + finest, 0.0, 1.0))
+    return min(max(above - 1.0 + finest, 0.0), 1.0)
 
 
 def layer_settings(settings: MeshSettings, count: int, finest: float = 1.0,
@@ -85,8 +85,9 @@ def layer_settings(settings: MeshSettings, count: int, finest: float = 1.0,
     bend_radius()."""
     out = []
     hang = hanging(settings.gravity, world_from_object)
+    common = native_settings(settings)
     for number, word in enumerate(layer_words(count, finer)):
-        options = native_settings(settings)
+        options = type(common).from_buffer_copy(common)
         above = count - finer - 1 - number
         # It scales the radius and the layer's extra width alike, because much cloth in little room would crumple.
         share = getattr(settings, word) * (finest if above == 0 else 1.0)
