@@ -41,17 +41,19 @@ Real shortening(const Real& squared, const Real& most) {
     return length > most ? most / length : one;
 }
 
-// Keeps a vertex within the bounds by the cloth itself.
+// Keeps a vertex within the bounds by the cloth itself. lifted: whether the plane has just moved it.
 template <typename Real>
-void keep_off_self(const Bound<Real>& bound, Vec3Of<Real>& p) {
+void keep_off_self(const Bound<Real>& bound, bool lifted, Vec3Of<Real>& p) {
     const Real one = all<Real>(1.0f);
     const auto along = [&] { return p - bound.at - dot(p - bound.at, bound.normal) * bound.normal; };
     const auto slide_scale = [&](const Vec3Of<Real>& way) { return shortening(dot(way, way), bound.slide); };
     const Vec3Of<Real> way = along();
-    p = p - (one - slide_scale(way)) * way;
+    const Real slides = slide_scale(way);
+    p = p - (one - slides) * way;
     const Real moved = dot(p - bound.at, bound.towards);
-    if (in_any(moved > bound.ahead))
-        p = choose(moved > bound.ahead, p - (moved - bound.ahead) * bound.towards, p);
+    const bool too_near = in_any(moved > bound.ahead);
+    if (too_near) p = choose(moved > bound.ahead, p - (moved - bound.ahead) * bound.towards, p);
+    if (!lifted && !too_near && !in_any(slides < one)) return;  // it was within all bounds
     // The steps above may break other bounds. Moving the vertex straight towards the attachment repairs them
     // and breaks none. Then all bounds hold at once, so a held vertex is not pushed again in every frame.
     // (kNeighbourhood: keep_above_floor().)
@@ -66,8 +68,9 @@ void keep_off_self(const Bound<Real>& bound, Vec3Of<Real>& p) {
 template <typename Real>
 void hold_within(const Bound<Real>& bound, bool self_contact, Vec3Of<Real>& p) {
     const Real height = dot(p - bound.at, bound.floor);
-    p = choose(height < bound.lowest, p + (bound.lowest - height) * bound.floor, p);
-    if (self_contact) keep_off_self(bound, p);
+    const bool lifted = in_any(height < bound.lowest);
+    if (lifted) p = choose(height < bound.lowest, p + (bound.lowest - height) * bound.floor, p);
+    if (self_contact) keep_off_self(bound, lifted, p);
     const Vec3Of<Real> offset = p - bound.at;
     const Real scale = shortening(dot(offset, offset), bound.radius);
     if (in_any(scale < all<Real>(1.0f)))
@@ -131,8 +134,16 @@ void Bounds::pull(const Bound<Lanes>& bound, Vec3Lanes& p) const {
 }
 
 void Bounds::pull_and_project_four(size_t four, std::span<Row, kLanes> positions) const {
+    hold_four(four, pulls(), positions);
+}
+
+void Bounds::project_four(size_t four, std::span<Row, kLanes> positions) const {
+    hold_four(four, false, positions);
+}
+
+void Bounds::hold_four(size_t four, bool pulled, std::span<Row, kLanes> positions) const {
     Vec3Lanes p = columns(positions);
-    if (pulls()) pull(fours_[four], p);
+    if (pulled) pull(fours_[four], p);
     if (collision_ != Collision::kNeighbourhood) hold_within(fours_[four], self_contact_, p);
     store_rows(p, positions);
     if (collision_ != Collision::kNeighbourhood) return;

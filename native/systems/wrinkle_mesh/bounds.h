@@ -34,8 +34,10 @@ class Bounds {
     // crosses a plane below it, so both bounds hold.
     void project(size_t v, Vec3& p) const;
 
-    // For the kLanes rows (Model::row_of) from kLanes * four on: pulls them towards the attachment by
-    // Settings::tangential_pull and normal_pull, and then applies project().
+    // project() for the kLanes rows (Model::row_of) from kLanes * four on.
+    void project_four(size_t four, std::span<Row, kLanes> positions) const;
+
+    // The same after pulling them towards the attachment by Settings::tangential_pull and normal_pull.
     void pull_and_project_four(size_t four, std::span<Row, kLanes> positions) const;
 
     // Whether a vertex is stopped by its own cloth.
@@ -60,6 +62,7 @@ class Bounds {
     Bound<float> bound(size_t v) const;
     bool pulls() const { return tangential_pull_ > 0.0f || normal_pull_ > 0.0f; }
     void pull(const Bound<Lanes>& bound, Vec3Lanes& p) const;
+    void hold_four(size_t four, bool pulled, std::span<Row, kLanes> positions) const;
 
     // Moves the vertex straight towards the attachment until it is above its floor, or below it by at most
     // `slack`. The floor is not a plane. So this step is the last one: it keeps the other bounds, but they

@@ -92,10 +92,20 @@ void for_each_in_rows(const Model& model, const Work& work) {
 // outside of a plane that has turned since the frame before.
 void blend(const Model& model, const Settings& settings, std::span<const Vec3> before,
            std::span<const float> active, const Bounds& bounds, std::span<Vec3> positions) {
-    for_each_in_rows(model, [&](size_t v) {
-        if (active[v] <= 0.0f) return;
-        positions[v] = before[v] + active[v] * (1.0f - settings.damping) * (positions[v] - before[v]);
-        bounds.project(v, positions[v]);
+    const std::span<const Index> rows(model.vertex_of_row);
+    for_each_part(rows.size(), kLeastSteps, [&](size_t begin, size_t end) {
+        for (; begin < end; begin += kLanes) {
+            const std::span<const Index> four = rows.subspan(begin, std::min<size_t>(kLanes, end - begin));
+            std::array<Row, kLanes> blended;
+            for (size_t k = 0; k < four.size(); ++k) {
+                const auto v = size_t(four[k]);
+                const float share = active[v] * (1.0f - settings.damping);
+                blended[k] = before[v] + share * (positions[v] - before[v]);
+            }
+            bounds.project_four(begin / kLanes, blended);
+            for (size_t k = 0; k < four.size(); ++k)
+                if (active[size_t(four[k])] > 0.0f) positions[size_t(four[k])] = blended[k].vec();
+        }
     });
 }
 
