@@ -16,35 +16,92 @@ namespace {
 
 constexpr double kResidual = 0.05;  // conjugate gradients stop at this share of the force they began with
 
-using Block = glm::dmat3;
+// x, y, z and a fourth number without meaning, in double precision: in two halves, which SSE2 and NEON
+// compute.
+struct DoubleRow {
+    using Half = double __attribute__((vector_size(16)));
+    Half xy{}, zw{};
 
+    DoubleRow() = default;
+    DoubleRow(const Half& xy_, const Half& zw_) : xy(xy_), zw(zw_) {}
+    DoubleRow(double x_, double y_, double z_) : xy{x_, y_}, zw{z_, 0.0} {}
+    double x() const { return xy[0]; }
+    double y() const { return xy[1]; }
+    double z() const { return zw[0]; }
+};
+DoubleRow operator+(const DoubleRow& a, const DoubleRow& b) {
+    return {a.xy + b.xy, a.zw + b.zw};
+}
+DoubleRow operator-(const DoubleRow& a, const DoubleRow& b) {
+    return {a.xy - b.xy, a.zw - b.zw};
+}
+DoubleRow operator*(double s, const DoubleRow& a) {
+    return {s * a.xy, s * a.zw};
+}
+double dot(const DoubleRow& a, const DoubleRow& b) {
+    return a.x() * b.x() + a.y() * b.y() + a.z() * b.z();
+}
+DoubleRow to_double(const Row& row) {
+    return {row.xyz[0], row.xyz[1], row.xyz[2]};
+}
+Row to_row(const DoubleRow& row) {
+    return Vec3(static_cast<float>(row.x()), static_cast<float>(row.y()), static_cast<float>(row.z()));
+}
+
+struct Block {  // 3 x 3
+    DoubleRow column[3];
+};
+Block operator+(const Block& a, const Block& b) {
+    return {{a.column[0] + b.column[0], a.column[1] + b.column[1], a.column[2] + b.column[2]}};
+}
+Block operator-(const Block& a, const Block& b) {
+    return {{a.column[0] - b.column[0], a.column[1] - b.column[1], a.column[2] - b.column[2]}};
+}
+Block operator*(double s, const Block& m) {
+    return {{s * m.column[0], s * m.column[1], s * m.column[2]}};
+}
+DoubleRow operator*(const Block& m, const DoubleRow& v) {
+    return v.x() * m.column[0] + v.y() * m.column[1] + v.z() * m.column[2];
+}
+Block outer_product(const DoubleRow& a, const DoubleRow& b) {
+    return {{b.x() * a, b.y() * a, b.z() * a}};
+}
 Block to_block(const Matrix& m) {
-    return Block(glm::dvec3(m.column[0].vec()), glm::dvec3(m.column[1].vec()), glm::dvec3(m.column[2].vec()));
+    return {{to_double(m.column[0]), to_double(m.column[1]), to_double(m.column[2])}};
 }
 Matrix to_matrix(const Block& m) {
-    return {{Vec3(m[0]), Vec3(m[1]), Vec3(m[2])}};
+    return {{to_row(m.column[0]), to_row(m.column[1]), to_row(m.column[2])}};
 }
 
 Block block_of(const Hessian::Spring& spring) {
-    const glm::dvec3 n(spring.direction.vec());
-    return double(spring.across) * Block(1.0) + double(spring.along) * glm::outerProduct(n, n);
+    const DoubleRow n = to_double(spring.direction);
+    const double across = spring.across;
+    const Block identity{{{across, 0.0, 0.0}, {0.0, across, 0.0}, {0.0, 0.0, across}}};
+    return identity + double(spring.along) * outer_product(n, n);
 }
 
 // B W B for a spring's block B = a I + b n n^T and a symmetric W. With u = W n and
 // v = a b u + b^2 (n . u) / 2 n it is a^2 W + n v^T + v n^T.
 Block between(const Hessian::Spring& spring, const Block& w) {
-    const glm::dvec3 n(spring.direction.vec()), u = w * n;
+    const DoubleRow n = to_double(spring.direction), u = w * n;
     const double a = spring.across, b = spring.along;
-    const glm::dvec3 v = a * b * u + 0.5 * b * b * glm::dot(n, u) * n;
-    return a * a * w + glm::outerProduct(n, v) + glm::outerProduct(v, n);
+    const DoubleRow v = a * b * u + 0.5 * b * b * dot(n, u) * n;
+    return a * a * w + outer_product(n, v) + outer_product(v, n);
 }
 
 // A vertex without area, in no polygon or in polygons without area, has neither weight nor force, so it does
 // not move.
 Block inverse_or_nothing(const Block& block) {
-    const Block inverse = glm::inverse(block);
+    const auto column = [&](int i) {
+        const DoubleRow& c = block.column[i];
+        return glm::dvec3(c.x(), c.y(), c.z());
+    };
+    const glm::dmat3 inverse = glm::inverse(glm::dmat3(column(0), column(1), column(2)));
     const glm::dvec3 sum = inverse[0] + inverse[1] + inverse[2];
-    return std::isfinite(sum.x + sum.y + sum.z) ? inverse : Block(0.0);
+    Block out;
+    for (int i = 0; i < 3 && std::isfinite(sum.x + sum.y + sum.z); ++i)
+        out.column[i] = {inverse[i].x, inverse[i].y, inverse[i].z};
+    return out;
 }
 
 // Four springs of a vertex.
@@ -139,15 +196,14 @@ Factors::Factors(const Model& model, const Hessian& hessian)
     for (size_t v = 0; v < whole.size(); ++v) whole[v] = to_block(hessian.diagonal[v]);
     for (size_t s = 0; s < model.springs.size(); ++s) {
         const Block block = block_of(hessian.springs[s]);
-        whole[model.springs[s].a] += block;
-        whole[model.springs[s].b] += block;
+        for (const Index v : {model.springs[s].a, model.springs[s].b}) whole[v] = whole[v] + block;
     }
     std::vector<Block> left = whole;
     for (size_t k = 0; k < model.order.size(); ++k) {
         const Index v = model.order[k];
         const Block inverse = inverse_or_nothing(left[v]);
         for (Index s = model.spring_start[k]; s < model.spring_start[k + 1]; ++s)
-            left[model.springs[s].b] -= between(hessian.springs[s], inverse);
+            left[model.springs[s].b] = left[model.springs[s].b] - between(hessian.springs[s], inverse);
         diagonal_[v] = to_matrix(left[v]);
         inverse_[v] = to_matrix(inverse);
         beyond_[v] = to_matrix(whole[v] - 2.0 * left[v]);
