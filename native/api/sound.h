@@ -68,8 +68,9 @@ T sound(T value) {
 template <typename State, typename Solve>
 auto sound_from(const State* before, Solve&& solve) {
     auto solved = solve(before);
-    if (before && !is_sound(solved)) solved = solve(static_cast<const State*>(nullptr));
-    return sound(std::move(solved));
+    if (is_sound(solved)) return solved;
+    if (!before) refuse_unsound();
+    return sound(solve(static_cast<const State*>(nullptr)));
 }
 
 // Checks input: throws InvalidInput about the first element that is not within [low, high], unless infinity

@@ -12,6 +12,7 @@
 #include "base/array.h"
 #include "base/solve_team.h"
 #include "base/tolerances.h"
+#include "base/unset_vector.h"
 
 namespace rumple {
 
@@ -59,7 +60,7 @@ struct CornersOfVertices {
 
 // Unit normals, or zero without area.
 struct TriangleNormals {
-    std::vector<Row> of_face;
+    UnsetVector<Row> of_face;
     std::vector<Row> of_vertex;  // mean weighted by area
 
     // positions: from to_rows().
@@ -82,7 +83,7 @@ struct TriangleNormals {
 
   private:
     // The number of rows is a multiple of four.
-    static void make_unit(std::vector<Row>& rows) {
+    static void make_unit(std::span<Row> rows) {
         for_each_four_shared(rows.size(), [&](size_t first, size_t) {
             const std::span<Row, kLanes> four = four_from(rows, first);
             store_rows(unit_or_zero(columns(four)), four);

@@ -67,7 +67,7 @@ PacketHierarchy build_packets(std::span<const Vec3> centres) {
 PosedPackets::PosedPackets(const PacketHierarchy& hierarchy, std::span<const Row> positions,
                            std::span<const std::array<Index, 3>> triangles, std::span<const Row> normals)
     : hierarchy_(hierarchy), packets_(hierarchy.packets.size()), nodes_(hierarchy.nodes.size()) {
-    std::vector<Volume> of_packet(packets_.size()), of_node(nodes_.size());
+    UnsetVector<Volume> of_packet(packets_.size()), of_node(nodes_.size());
     for_each_index(packets_.size(), kLeastSteps, [&](size_t packet) {
         of_packet[packet] = place_packet(packet, positions, triangles, normals);
     });

@@ -14,6 +14,7 @@
 
 #include "base/solve_team.h"
 #include "base/tolerances.h"
+#include "base/unset_vector.h"
 #include "surface/contact/posed_triangles.h"
 #include "surface/query/closest_point.h"
 
@@ -92,8 +93,8 @@ class PosedPackets {
     Volume place_node(size_t node, std::span<const Volume> of_packet, std::span<const Volume> of_node);
 
     const PacketHierarchy& hierarchy_;
-    std::vector<Packet> packets_;
-    std::vector<Node> nodes_;
+    UnsetVector<Packet> packets_;
+    UnsetVector<Node> nodes_;
 };
 
 // The vectors to the closest points of four triangles.

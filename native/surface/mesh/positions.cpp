@@ -18,8 +18,20 @@ float largest_coordinate(std::span<const Vec3> positions) {
     return largest;
 }
 
+// Without a branch, so that a compiler can vectorise it. Also of what is not finite.
+bool is_any_beyond(std::span<const Vec3> positions, float farthest) {
+    unsigned found = 0;
+    for (const Vec3& p : positions) {
+        const Vec3 size = glm::abs(p);
+        found |= unsigned(!(size.x <= farthest)) | unsigned(!(size.y <= farthest)) |
+                 unsigned(!(size.z <= farthest));
+    }
+    return found != 0;
+}
+
 void refuse_beyond(const std::string& name, std::span<const Vec3> positions, float farthest,
                    const std::string& why) {
+    if (!is_any_beyond(positions, farthest)) return;
     for (size_t v = 0; v < positions.size(); ++v) {
         const Vec3& p = positions[v];
         if (!is_finite(p)) throw InvalidInput(name + ": vertex " + std::to_string(v) + " is not finite");

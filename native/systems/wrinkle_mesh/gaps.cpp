@@ -59,7 +59,8 @@ void lower_gaps_of_surface(const Model& model, float thickness, Pose& pose) {
         const float of_side = glm::dot(side, pose.floor[b] - pose.floor[a]) / 6.0f;
         for (const Index v : {a, b}) sunk[v] = std::max(sunk[v], of_side);
     });
-    for (size_t v = 0; v < sunk.size(); ++v) pose.gap[v] -= std::max(sunk[v] - kMostSunk * thickness, 0.0f);
+    for_each_index(sunk.size(), kLeastSteps,
+                   [&](size_t v) { pose.gap[v] -= std::max(sunk[v] - kMostSunk * thickness, 0.0f); });
 }
 
 // Least cosine between cloth and body. At a smaller one, a vertex does not move out any farther.

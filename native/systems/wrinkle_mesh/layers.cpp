@@ -20,8 +20,8 @@ namespace {
 constexpr float kMostMissed = 1.0f / 7.0f;
 
 std::vector<Vec3> differences(std::span<const Vec3> to, std::span<const Vec3> from) {
-    std::vector<Vec3> out(to.begin(), to.end());
-    for_each_index(out.size(), kLeastSteps, [&](size_t v) { out[v] -= from[v]; });
+    std::vector<Vec3> out(to.size());
+    for_each_index(out.size(), kLeastSteps, [&](size_t v) { out[v] = to[v] - from[v]; });
     return out;
 }
 
@@ -178,7 +178,8 @@ class NothingInReach {
 // vertex cannot move.
 std::vector<float> reaches(const Model& layer, const Settings& settings, const Paint& paint) {
     std::vector<float> reach = attachment_radii(layer, settings, paint);
-    for (float& r : reach) r *= settings.apart > 0.0f ? 1.0f / settings.apart : 0.0f;
+    const float share = settings.apart > 0.0f ? 1.0f / settings.apart : 0.0f;
+    for_each_index(reach.size(), kLeastSteps, [&](size_t v) { reach[v] *= share; });
     return reach;
 }
 
@@ -188,15 +189,15 @@ void find_self_contacts(const SelfContactMesh& mesh, const Model& layer, const S
     nothing.go_on(layer);
     if (settings.apart <= 0.0f && settings.slide <= 0.0f) return;
     std::vector<float> reach = reaches(layer, settings, paint);
-    for (size_t v = 0; v < reach.size(); ++v) {
+    for_each_index(reach.size(), kLeastSteps, [&](size_t v) {
         if (nothing.at(v)) reach[v] = 0.0f;
-    }
+    });
     const PosedSelfContactMesh posed(mesh, pose.attachment);
     pose.self_contact = posed.facing(reach);
     pose.heights = posed.heights();
-    for (size_t v = 0; v < reach.size(); ++v) {
+    for_each_index(reach.size(), kLeastSteps, [&](size_t v) {
         if (reach[v] > 0.0f && pose.self_contact[v].towards == Vec3(0.0f)) nothing.mark(v);
-    }
+    });
 }
 
 // A body in front bounds a vertex like its own cloth. The share `apart` is not applied, because a body does

@@ -22,6 +22,13 @@ Vec3Lanes ways_along(const Pairs& pairs, const std::vector<Row>& rows, size_t fi
     return columns(way);
 }
 
+void store_pair_lengths(const Pairs& pairs, const std::vector<Row>& rows, std::span<float> out) {
+    for_each_four_shared(pairs.size(), [&](size_t first, size_t count) {
+        const Vec3Lanes d = ways_along(pairs, rows, first, count);
+        store_lanes(square_root(dot(d, d)), &out[first], count);
+    });
+}
+
 // The value of s for pairs on a base that is not taut.
 Lanes most_pre_stretch(const Settings& settings, const Lanes& paint) {
     return all_lanes(1.0f) + (settings.prestretch - 1.0f) * paint;
@@ -271,19 +278,16 @@ std::vector<float> attachment_radii(const Model& model, const Settings& settings
 
 std::vector<float> pair_lengths(const Pairs& pairs, const std::vector<Row>& rows) {
     std::vector<float> lengths(pairs.size());
-    for_each_four_shared(pairs.size(), [&](size_t first, size_t count) {
-        const Vec3Lanes d = ways_along(pairs, rows, first, count);
-        store_lanes(square_root(dot(d, d)), &lengths[first], count);
-    });
+    store_pair_lengths(pairs, rows, lengths);
     return lengths;
 }
 
 std::vector<float> pair_lengths(const Model& model, std::span<const Vec3> positions) {
     if (positions.empty()) return {};
     const std::vector<Row> rows = to_rows(positions);
-    std::vector<float> lengths = pair_lengths(model.distance, rows);
-    const std::vector<float> bending = pair_lengths(model.bending, rows);
-    lengths.insert(lengths.end(), bending.begin(), bending.end());
+    std::vector<float> lengths(model.distance.size() + model.bending.size());
+    store_pair_lengths(model.distance, rows, lengths);
+    store_pair_lengths(model.bending, rows, std::span(lengths).subspan(model.distance.size()));
     return lengths;
 }
 

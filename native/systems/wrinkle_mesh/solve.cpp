@@ -132,7 +132,7 @@ struct Frame {
     const Pose& pose;
     const State* before;  // of this model, or none
     OffsetFrames offsets;
-    std::vector<float> lengths;  // of the pairs, at the attachments
+    std::span<const float> lengths;  // of the pairs, at the attachments
     Targets targets;
     std::vector<float> active;  // per vertex: activity(); 1 without a state
     Bounds bounds;
