@@ -26,6 +26,9 @@ _KEEP_NOTHING = frozenset((
 # Modifiers of other objects that are bound to the points of their target.
 _BOUND_TO_TARGET = frozenset(("MESH_DEFORM", "PARTICLE_INSTANCE", "SURFACE_DEFORM"))
 
+# Nodes that store a mesh, from 3.6 on.
+_KEEPING = tuple(name for name in ("GeometryNodeSimulationOutput", "GeometryNodeBake") if hasattr(bpy.types, name))
+
 _pauses = 0
 
 
@@ -110,7 +113,6 @@ def targets() -> set[bpy.types.Object | None]:
 
 
 def nodes_keep_meshes() -> bool:
-    """Whether any nodes (Blender 3.6 and later) store a mesh."""
-    return any(node.bl_idname in ("GeometryNodeSimulationOutput", "GeometryNodeBake")
-               for group in bpy.data.node_groups if group.users and group.bl_idname == "GeometryNodeTree"
-               for node in group.nodes)
+    """Whether any nodes store a mesh."""
+    return bool(_KEEPING) and any(node.bl_idname in _KEEPING for group in bpy.data.node_groups
+                                  if group.users and group.bl_idname == "GeometryNodeTree" for node in group.nodes)

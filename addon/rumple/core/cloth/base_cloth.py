@@ -10,6 +10,7 @@ import numpy as np
 
 from ...native import kernels
 from ..base import transforms
+from ..base.last_result import LastResult
 from ..mesh.body import Body, same_at_rest
 from ..paint.hangs_free import FREE, room_factor
 from ..settings.cloth_settings import ClothSettings, direction_of
@@ -107,6 +108,7 @@ class BaseCloth:
         self._suggest = suggest or functools.partial(suggested_follow, surface)
         self.model = kernels.build_base_cloth(surface)
         self.size_factor = size_factor(diagonal, unit_scale)
+        self._options = LastResult(self._native_settings)
         self._collider: tuple[Body, Any] | None = None
         self._paint: Any = None
         self._painted: dict[str, np.ndarray] | None = None
@@ -118,7 +120,7 @@ class BaseCloth:
         world_from_object, body = _invertible(given.world_from_object), given.body
         if paint is not self._painted or (settings.up, settings.room, settings.free_room) != self._paint_settings:
             self._take_paint(paint, settings)
-        options = self._native_settings(settings, world_from_object)
+        options = self._options(settings, world_from_object)
         frame = (self._paint, given.positions, self.collider(body), body.positions if body is not None else None,
                  before.state if before is not None else None)
         if settings.base_cloth != "SWING":

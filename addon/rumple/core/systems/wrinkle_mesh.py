@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from ...native import kernels
+from ..base.last_result import LastResult
 from ..base.wording import UserError, user_error
 from ..cloth.base_cloth import bend_radius, size_factor
 from ..cloth.layers import layer_settings, layer_words, native_settings
@@ -357,10 +358,14 @@ class WrinkleMesh(Wrinkles):
             return kernels.solve_wrinkle_mesh(self.model, native_settings(settings), self._paint, pose, before)
         by_wavelength = settings.density == "WAVELENGTH"
         wavelength = settings.wavelength if by_wavelength else EDGES_PER_WAVELENGTH * self.edge_mean
-        layers = layer_settings(settings, self.layer_count, self.finest_share, frame_input.world_from_object,
-                                bend_radius(settings, wavelength, self.unit_scale), self.finer_layers)
+        layers = self._layer_settings(settings, self.layer_count, self.finest_share, frame_input.world_from_object,
+                                      bend_radius(settings, wavelength, self.unit_scale), self.finer_layers)
         return kernels.solve_wrinkle_layers(self.model, layers, self._paint, pose, state=before,
                                             **self._contact(settings, frame_input))
+
+    @functools.cached_property
+    def _layer_settings(self) -> LastResult[list[Any]]:
+        return LastResult(layer_settings)
 
     def _contact(self, settings: MeshSettings, frame_input: FrameInput) -> dict[str, Any]:
         """The collision arguments that keep layers off bodies under the base cloth."""
