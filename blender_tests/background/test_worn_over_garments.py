@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A garment over another one that is baked in a part of its frames, switched off, or changed after its own bake."""
+"""A garment over another one that is baked in a part of its frames, switched off, or changed after its own bake; two
+over one body."""
 from __future__ import annotations
 
 import math
@@ -9,9 +10,10 @@ from unittest import mock
 import bpy
 import numpy as np
 from rumple.blender.frame import clip_status
-from rumple.blender.objects import modifier, runtimes
+from rumple.blender.objects import bodies, modifier, runtimes
 from support import cloth_scenes, sleeve
 from support.cloth_scenes import Cloth, forget
+from support.worn_sleeve import Worn, posed, solved_body
 
 LAST, BAKED = 8, 4  # frames
 
@@ -103,3 +105,31 @@ class SwitchedOff(Over):
 
 if __name__ == "__main__":
     unittest.main()
+
+
+class ReadOnce(Worn):
+    """A frame reads a body once, for all garments that are worn over it."""
+
+    def test_by_two_garments(self) -> None:
+        inner = sleeve.under(self.obj, "Inner", 0.9)
+        sleeve.make_active(inner)
+        bpy.ops.object.rumple_add(method="MESH")
+        for garment in (self.obj, inner):
+            garment.rumple.body, garment.rumple.body_collection = self.body, None
+        sleeve.at(3)
+        for frame in (4, 9, 4):
+            with mock.patch.object(bodies, "_plain", wraps=bodies._plain) as read:
+                sleeve.at(frame)
+            self.assertEqual([call.args[0] for call in read.call_args_list], [self.body])
+            for garment in (self.obj, inner):
+                np.testing.assert_allclose(solved_body(garment).positions, posed(self.body), atol=2e-6)
+
+    def test_anew_by_whoever_asks_later(self) -> None:
+        self.obj.rumple.body = self.body
+        sleeve.at(3)
+        depsgraph = bpy.context.evaluated_depsgraph_get()
+        evaluated = self.obj.evaluated_get(depsgraph)
+        with mock.patch.object(bodies, "_plain", wraps=bodies._plain) as read:
+            for _ in range(2):
+                bodies.read(self.obj, evaluated, depsgraph)
+        self.assertEqual(read.call_count, 2)
