@@ -96,21 +96,22 @@ def find(obj: bpy.types.Object, scene: bpy.types.Scene) -> WornOver:
 
 def _is_within(garment: bpy.types.Object, obj: bpy.types.Object) -> bool:
     """Whether the bounding box of a garment extends hardly beyond that of an object."""
-    (low, high), (own_low, own_high) = ((rest.min(axis=0), rest.max(axis=0)) for rest in map(_rest, (garment, obj)))
+    (low, high), (own_low, own_high) = ((rest.min(axis=0), rest.max(axis=0))
+                                        for rest in map(rest_in_world, (garment, obj)))
     spare = WITHIN * float(np.sqrt(((own_high - own_low) ** 2).sum()))
     return bool((low >= own_low - spare).all() and (high <= own_high + spare).all())
 
 
 def _area(obj: bpy.types.Object) -> float:
     """Area at rest in world space. Of clothes with a modelled thickness, only the outer side counts."""
-    return float(lengths(area_vectors(_rest(obj), triangles_of(obj))).sum())
+    return float(lengths(area_vectors(rest_in_world(obj), triangles_of(obj))).sum())
 
 
 def _is_worn(cloth: _Cloth, others: list[BVHTree]) -> bool:
     return any(_share_over(cloth, other) > WORN_SHARE for other in others)
 
 
-def _rest(obj: bpy.types.Object) -> np.ndarray:
+def rest_in_world(obj: bpy.types.Object) -> np.ndarray:
     """Vertices at rest in world space, (n, 3) float32."""
     rest = mesh_reader.rest_positions(obj, "REST_POSE", "")
     return transforms.placed(np.array(obj.matrix_world, np.float32), rest)
@@ -118,11 +119,11 @@ def _rest(obj: bpy.types.Object) -> np.ndarray:
 
 def is_finite(obj: bpy.types.Object) -> bool:
     """Whether all positions at rest are finite."""
-    return bool(np.isfinite(_rest(obj)).all())
+    return bool(np.isfinite(rest_in_world(obj)).all())
 
 
 def _cloth(obj: bpy.types.Object) -> _Cloth:
-    rest, vertices = _rest(obj), incoming_mesh.of(obj).vertices
+    rest, vertices = rest_in_world(obj), incoming_mesh.of(obj).vertices
     finite = np.flatnonzero(np.isfinite(rest).all(axis=1))
     outer = np.intersect1d(finite, triangles_of(obj))
     chosen = sample_of(outer, SAMPLES).tolist()
@@ -141,7 +142,7 @@ def side_of(obj: bpy.types.Object) -> float:
 def tree_of(obj: bpy.types.Object, near: _Cloth | None = None) -> BVHTree:
     """The surface of an object at rest, world space, facing outwards, from the triangles of triangles_of(). near: use
     only triangles whose boxes are within its reach."""
-    rest = _rest(obj)
+    rest = rest_in_world(obj)
     triangles = facing_outwards(rest, triangles_of(obj))
     if near is not None and near.places:
         low, high = (bound(np.array(near.places), axis=0) for bound in (np.min, np.max))

@@ -9,7 +9,7 @@ import bpy
 
 from ...core.systems.all_systems import SYSTEMS
 from ..nodes import wrinkle_tree
-from ..objects import incoming_mesh, made_collections, mesh_reader, properties, rig_scale
+from ..objects import incoming_mesh, made_collections, mesh_reader, painted_maps, properties, rig_scale
 from . import body_search, cloth_defaults, free_parts, named_skin, painted_skin, tucked_hems
 
 
@@ -62,10 +62,16 @@ def _set_cloth(obj: bpy.types.Object, scene: bpy.types.Scene, lengths: set[str])
     if cloth_defaults.is_cloth(obj):
         if not closed:  # what goes into a closed end would push the end out of itself
             _set_bodies(obj, worn_over)
+        was_painted = _is_painted(obj, "follow")
         skin = painted_skin.paint(obj)
         free_parts.give_room(obj, scene, worn_over.trees, is_sheet, "room" not in lengths)
-        tucked_hems.paint(obj, scene, worn_over.trees_over(), is_sheet)
+        tucked_hems.paint(obj, scene, worn_over, is_sheet, not was_painted)
     return _Found(worn_over, skin, closed and cloth_defaults.is_cloth(obj))
+
+
+def _is_painted(obj: bpy.types.Object, key: str) -> bool:
+    painted = painted_maps.find(obj, key)
+    return painted is not None and painted.exists
 
 
 def becomes_cloth(obj: bpy.types.Object, scene: bpy.types.Scene) -> bool:

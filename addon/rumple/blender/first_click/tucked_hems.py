@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Finds the hems of a garment that are tucked into other clothes, for the first click: a shirt in trousers, a leg in a
-boot. They are painted as pinned, so that the artist can see and change them. Without this, such a hem leaves the
-waistband when an arm rises. If the body was deleted under the clothes, there is then a gap between both."""
+"""Finds where other objects hold a garment, for the first click: hems that are tucked into other clothes (a shirt in
+trousers, a leg in a boot), and cuts (cuts.py). They are painted as pinned, so that the artist can see and change them.
+Without this, such a hem leaves the waistband when an arm rises. If the body was deleted under the clothes, there is
+then a gap between both."""
 from __future__ import annotations
 
 import bpy
@@ -20,23 +21,29 @@ from ...core.mesh.connected import borders
 from ...core.parts.cloth_surface import without_rigid_parts
 from .. import compat
 from ..objects import painted_maps, properties, rig_scale
-from . import cloth_defaults
+from . import body_search, cloth_defaults, cuts
 
 REACH = 0.02  # metres, of an adult's garment: largest distance of the clothes over a hem
 
 
-def paint(obj: bpy.types.Object, scene: bpy.types.Scene, trees: dict[bpy.types.Object, BVHTree], sheet: bool) -> None:
-    """Paint Pinned at tucked hems, and elsewhere the weights that would be pinned without the map. Nothing is painted
-    if all tucked vertices are pinned without the map. An existing map is not changed; sheets and skirts are not tucked
-    in. trees: from body_search.tree_of(), of objects that may be over it. Cost: 20 ms for 1,000 border vertices."""
+def paint(obj: bpy.types.Object, scene: bpy.types.Scene, worn_over: body_search.WornOver, sheet: bool,
+          made: bool) -> None:
+    """Paint Pinned at tucked hems and at cuts, and elsewhere the weights that would be pinned without the map. Nothing
+    is painted if all of these vertices are pinned without the map. Edges along cuts get a crease. An existing map is
+    not changed, but one that this click has made is added to. Sheets and skirts are not tucked in. made: this click has
+    made the map. Cost: 20 ms for 1,000 border vertices, and that of cuts.find()."""
     painted, settings = painted_maps.find(obj, "follow"), properties.group_of(obj)
-    if painted is None or painted.exists or not trees or sheet or settings.base_cloth == "OFF":
+    if painted is None or (painted.exists and not made) or not worn_over.trees or settings.base_cloth == "OFF":
         return
-    if not compat.is_editable(obj) or not compat.is_editable(obj.data) or cloth_defaults.is_skirt(obj):
+    if not compat.is_editable(obj) or not compat.is_editable(obj.data):
         return
     try:
         base = without_rigid_parts(cloth_defaults.cloth_at_rest(obj).healed(True), True, settings.rigid_parts)
-        hidden = _tucked(obj, base, trees, scene)
+        cut = cuts.find(obj, worn_over.trees)
+        cuts.crease(obj, cut)
+        hidden = np.intersect1d(np.flatnonzero(cut[base.own_origin().vertex]), base.corner_vertex)
+        if not (sheet or cloth_defaults.is_skirt(obj)):
+            hidden = np.union1d(hidden, _tucked(obj, base, worn_over.trees_over(), scene))
         follow = suggested_follow(base.surface(True), settings.up) if len(hidden) else np.zeros(0)
     except UserError:
         return  # the build reports this error
@@ -44,6 +51,8 @@ def paint(obj: bpy.types.Object, scene: bpy.types.Scene, trees: dict[bpy.types.O
         return  # a waistband under a shirt
     weights = tucked.held(follow, base.positions, hidden, base.diagonal())[:base.own_origin().vertex_count]
     weights = painted_maps.on_own_vertices(obj, painted_maps.in_steps(weights))
+    if made:
+        weights = np.maximum(weights, painted_maps.weights(obj, painted))
     painted_maps.write(obj, painted, weights, masked=False)
 
 
