@@ -13,17 +13,17 @@ from support.meshes import quad_mesh, tube
 UP = np.array((0.0, 0.0, 1.0))
 
 
-def trousers(closed: bool = True) -> BaseMesh:
-    """A tube of 1 m along Z with its lower end at 0.1 m, for a figure of 1.8 m. closed: its ends are."""
+def trousers(closed: tuple[float, ...] = (0.1, 1.1)) -> BaseMesh:
+    """A tube of 1 m along Z with its lower end at 0.1 m, for a figure of 1.8 m. closed: the heights of closed ends."""
     base = tube(12, 20, 0.15, 1.0)
     points = base.positions - base.positions.min(axis=0) + np.float32((-0.15, -0.15, 0.1))
     quads = base.corner_vertex.reshape(-1, 4)
-    if closed:
-        for ring in (points[:, 2] < 0.101, points[:, 2] > 1.099):
-            order = np.flatnonzero(ring)[np.argsort(np.arctan2(points[ring, 1], points[ring, 0]))]
-            half = len(order) // 2
-            strips = [(order[k], order[k + 1], order[-k - 2], order[-k - 1]) for k in range(half - 1)]
-            quads = np.concatenate([quads, np.array(strips, quads.dtype)])
+    for height in closed:
+        ring = np.abs(points[:, 2] - height) < 1e-3
+        order = np.flatnonzero(ring)[np.argsort(np.arctan2(points[ring, 1], points[ring, 0]))]
+        half = len(order) // 2
+        strips = [(order[k], order[k + 1], order[-k - 2], order[-k - 1]) for k in range(half - 1)]
+        quads = np.concatenate([quads, np.array(strips, quads.dtype)])
     return quad_mesh("Trousers", points, quads)
 
 
@@ -41,7 +41,26 @@ class Closed(unittest.TestCase):
         self.assertTrue(self.is_one())
 
     def test_an_opening_makes_it_a_question_for_others(self) -> None:
-        self.assertFalse(self.is_one(base=trousers(closed=False)))
+        self.assertFalse(self.is_one(base=trousers(closed=())))
+
+    def test_a_coat_is_open_at_its_collar_alone(self) -> None:
+        """Sleeves end around the hands, and its hem is closed: the coats of common avatars were no cloth."""
+        coat = trousers(closed=(0.1,))
+        self.assertTrue(self.is_one(base=coat))
+        self.assertFalse(self.is_one(base=trousers(closed=(1.1,))), "it would be held by its hem")
+
+    def test_a_body_that_is_cut_off_at_its_neck_is_none(self) -> None:
+        """It has one opening as a coat has, but the figure ends where it does."""
+        head = np.array([(0.0, 0.0, 1.1), (0.0, 0.0, 1.8)], np.float32)
+        self.assertFalse(self.is_one(base=trousers(closed=(0.1,)), others=head))
+
+    def test_boots_in_the_mesh_of_a_coat_are_below_it(self) -> None:
+        head = np.array([(0.0, 0.0, 1.1), (0.0, 0.0, 1.8)], np.float32)
+        coat = trousers(closed=(0.1,))
+        boot = np.array([(0.0, 0.0, 0.0), (0.1, 0.0, 0.0), (0.1, 0.1, 0.0), (0.0, 0.1, 0.0)], np.float32)
+        quads = np.concatenate([coat.corner_vertex.reshape(-1, 4), [len(coat.positions) + np.arange(4)]])
+        both = quad_mesh("Coat", np.concatenate([coat.positions, boot]), quads)
+        self.assertTrue(self.is_one(base=both, others=head))
 
     def test_a_whole_body_is_none(self) -> None:
         """Its hair is above it, but by less than a head."""
