@@ -8,18 +8,13 @@ import numpy as np
 from ...core.base import transforms
 from ...core.mesh.base_mesh import BaseMesh
 from ...core.parts.closed_garment import bends, is_closed_garment
-from ...core.parts.skin_materials import names_skin
 from ..objects import bodies_at_rest, incoming_mesh, mesh_reader
 from . import body_search
 
 
 def is_one(obj: bpy.types.Object, scene: bpy.types.Scene, base: BaseMesh, up: np.ndarray) -> bool:
-    """Whether an object is such a garment. Skin by the names of all of its materials is none. base: its mesh at rest,
-    without skin. up: (3,) in its object space. Cost: that of is_closed_garment(), and 1 ms for 1,000 vertices of what
-    has its shape."""
-    names = [slot.name for slot in obj.material_slots if slot.name]
-    if names and all(map(names_skin, names)):
-        return False
+    """Whether an object is such a garment. base: its mesh at rest, without skin. up: (3,) in its object space. Cost: that
+    of is_closed_garment(), and 1 ms for 1,000 vertices of what has its shape."""
     own = obj.matrix_world.inverted_safe()
     others = [transforms.placed(np.array(own @ other.matrix_world, np.float32),
                                 mesh_reader.rest_positions(other, "REST_POSE", ""))

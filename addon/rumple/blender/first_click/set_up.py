@@ -10,7 +10,7 @@ import bpy
 from ...core.systems.all_systems import SYSTEMS
 from ..nodes import wrinkle_tree
 from ..objects import incoming_mesh, made_collections, mesh_reader, painted_maps, properties, rig_scale
-from . import body_search, cloth_defaults, free_parts, named_skin, painted_skin, tucked_hems
+from . import body_search, cloth_defaults, free_parts, named_skin, not_cloth, painted_skin, tucked_hems
 
 
 UNDER_MOST = 0.5  # least share of a garment over an object that is the body in it, and not its neighbour
@@ -48,6 +48,7 @@ class _Found(NamedTuple):
     """What _set_cloth() found."""
 
     worn_over: body_search.WornOver
+    refusal: str  # a message why it is no cloth although it has the shape, or ""
     skin: list[str]  # materials of the skin that was painted
     closed: bool  # whether it is cloth whose ends are closed
 
@@ -57,7 +58,8 @@ def _set_cloth(obj: bpy.types.Object, scene: bpy.types.Scene, lengths: set[str])
     _set_defaults()."""
     worn_over, skin = body_search.find(obj, scene), []
     is_sheet, closed = _shape_of(obj, scene, worn_over)
-    if not worn_over.is_body or named_skin.is_dressed(obj):
+    refusal = _refusal(obj, scene, is_sheet, closed)
+    if not refusal and (not worn_over.is_body or named_skin.is_dressed(obj)):
         cloth_defaults.apply(obj, scene, lengths, is_sheet, closed)
     if cloth_defaults.is_cloth(obj):
         if not closed:  # what goes into a closed end would push the end out of itself
@@ -66,7 +68,7 @@ def _set_cloth(obj: bpy.types.Object, scene: bpy.types.Scene, lengths: set[str])
         skin = painted_skin.paint(obj)
         free_parts.give_room(obj, scene, worn_over.trees, is_sheet, "room" not in lengths)
         tucked_hems.paint(obj, scene, worn_over, is_sheet, not was_painted)
-    return _Found(worn_over, skin, closed and cloth_defaults.is_cloth(obj))
+    return _Found(worn_over, refusal, skin, closed and cloth_defaults.is_cloth(obj))
 
 
 def _is_painted(obj: bpy.types.Object, key: str) -> bool:
@@ -81,7 +83,8 @@ def becomes_cloth(obj: bpy.types.Object, scene: bpy.types.Scene) -> bool:
         worn_over = body_search.find(obj, scene)
         if worn_over.is_body and not named_skin.is_dressed(obj):
             return False
-        return bool(cloth_defaults.defaults(obj, scene, *_shape_of(obj, scene, worn_over)))
+        shape = _shape_of(obj, scene, worn_over)
+        return not _refusal(obj, scene, *shape) and bool(cloth_defaults.defaults(obj, scene, *shape))
 
 
 def _shape_of(obj: bpy.types.Object, scene: bpy.types.Scene, worn_over: body_search.WornOver) -> tuple[bool, bool]:
@@ -89,6 +92,21 @@ def _shape_of(obj: bpy.types.Object, scene: bpy.types.Scene, worn_over: body_sea
     is_sheet = cloth_defaults.is_sheet(obj, worn_over.body)
     closed = not is_sheet and worn_over.share < UNDER_MOST and cloth_defaults.is_closed(obj, scene)
     return is_sheet, closed
+
+
+def _refusal(obj: bpy.types.Object, scene: bpy.types.Scene, is_sheet: bool, closed: bool) -> str:
+    """A message why an object with the shape of a garment is not made cloth; "" if it is made cloth, or does not have
+    the shape. is_sheet, closed: from _shape_of()."""
+    message = ""
+    if cloth_defaults.is_simulated(obj) or not cloth_defaults.is_skinned(obj):
+        return message
+    if not_cloth.is_skin(obj):
+        message = (f"{obj.name}: all of its materials name skin, hair, shoes or metal, so it is not made cloth: if it "
+                   "is, set Base Cloth to Hang")
+    elif not is_sheet and not_cloth.is_rigid(obj, scene) and not cloth_defaults.is_skirt(obj):
+        message = (f"{obj.name}: it is small and one bone moves it, so it is not made cloth: if it is, set Base Cloth "
+                   "to Hang")
+    return message if message and cloth_defaults.defaults(obj, scene, is_sheet, closed) else ""
 
 
 def _set_bodies(obj: bpy.types.Object, found: body_search.WornOver) -> None:
@@ -116,6 +134,8 @@ def _notes(obj: bpy.types.Object, scene: bpy.types.Scene, found: _Found) -> list
                 "set Base Cloth to Off"]
     if cloth_defaults.is_cloth(obj) or properties.group_of(obj).is_property_set("base_cloth"):
         return []
+    if found.refusal:
+        return [found.refusal]
     if worn_over.is_body and cloth_defaults.defaults(obj, scene):
         return [f"{obj.name}: {worn_over.clothes[0].name} lies over it, so it is taken for a body and is not made "
                 "cloth: if it is a garment, set Base Cloth to Hang"]

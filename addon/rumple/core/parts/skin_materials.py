@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Finds skin in the mesh of its clothes by the names of the materials, as in characters of games: also skin that is
-welded to clothes, or that has no shape that skin_parts.py knows. Hair and shoes count as skin: they are not cloth
-either. Never imports bpy.
+welded to clothes, or that has no shape that skin_parts.py knows. Hair, shoes and metal count as skin: they are not
+cloth either. Never imports bpy.
 """
 from __future__ import annotations
 
@@ -19,6 +19,8 @@ SKIN = frozenset((
     "pupil", "sclera", "cornea", "eyelash", "lash", "ear", "nose", "mouth", "lip", "tooth", "teeth", "tongue", "gum",
     "hand", "finger", "nail", "fingernail", "foot", "feet", "toe", "toenail"))
 SHOES = frozenset(("shoe", "boot", "sneaker", "sandal", "slipper", "sole"))
+# Of armour over clothes. Colours ("Gold", "Silver") are not among them.
+METALS = frozenset(("metal", "steel", "iron", "brass", "bronze", "chrome", "armor", "armour", "chestplate", "breastplate"))
 SKIN_CHARACTERS = frozenset("肌肤膚顔颜脸臉髪髮靴鞋")
 # Of a name with one of these, no other word counts: a head scarf, a hand-knitted sweater, a skin suit.
 GARMENTS = frozenset((
@@ -35,7 +37,7 @@ LEAST_AREA = 0.02  # least share of skin and of cloth in the area: a face withou
 
 
 def names_skin(material: str) -> bool:
-    """Whether a material is one of skin, hair or shoes, by the words of its name: English, Chinese or Japanese."""
+    """Whether a material is one of skin, hair, shoes or metal, by the words of its name: English, Chinese or Japanese."""
     words = {word.lower() for word in _WORD.findall(material)}
     words |= {word.removesuffix(end) for word in words for end in ("s", "es")}
     if words & HAIR:
@@ -44,7 +46,7 @@ def names_skin(material: str) -> bool:
         return False
     if words & SHOES or SKIN_CHARACTERS & set(material):
         return True
-    return bool(words & SKIN) and not words & FABRICS
+    return bool(words & (SKIN | METALS)) and not words & FABRICS
 
 
 def is_beside_cloth(base: BaseMesh, skin: np.ndarray) -> bool:
