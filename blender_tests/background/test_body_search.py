@@ -64,6 +64,21 @@ class FirstClick(unittest.TestCase):
         bpy.ops.object.rumple_remove()
         self.assertEqual(self.found(), "")  # the artist wants none
 
+    def test_a_thing_that_hangs_on_a_bone_is_no_body(self) -> None:
+        """A book at the belt of a robe was its body; what fills a garment, as the parts of a puppet, is one."""
+        for length, shift, body in ((0.05, -0.04, ""), (1.0, 0.0, "Thing")):
+            with self.subTest(length):
+                thing, rig = sleeve.under(self.obj, "Thing", 0.9), bpy.data.objects["Arm"]
+                thing.data.transform(Matrix.Translation((shift, 0, 0)) @ Matrix.Scale(length, 4, Vector((1, 0, 0))))
+                thing.modifiers.clear()
+                thing.parent, thing.parent_type, thing.parent_bone = rig, "BONE", "upper"
+                bpy.context.view_layer.update()
+                thing.matrix_world = Matrix.Identity(4)
+                bpy.context.view_layer.update()
+                self.assertEqual(self.found(), body)
+                bpy.ops.object.rumple_remove()
+                bpy.data.objects.remove(thing)
+
     def test_another_garment_is_better_than_nothing(self) -> None:
         sleeve.under(self.obj, "Shirt", 0.9)
         self.assertEqual(self.found(), "Shirt")

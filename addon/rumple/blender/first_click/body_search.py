@@ -85,6 +85,7 @@ def find(obj: bpy.types.Object, scene: bpy.types.Scene) -> WornOver:
         trimmings = [other for other in shares if _is_within(other, obj) and back(other) > LEAST_SHARE]
         if trimmings and sum(map(_area, trimmings)) >= LEAST_CLOTHED * _area(obj):
             return WornOver(None, [], trimmings, trees)
+    shares = {other: share for other, share in shares.items() if share > LEAST_SHARE or not _hangs_on_bone(other)}
     under = [other for other, share in shares.items() if share > LEAST_BODY and other not in trimmings]
     worn = {other for other in under if _is_worn(cloth(other), [trees[body] for body in under if body != other])}
     body = max((other for other in under if other not in worn and modifier.find(other) is None), key=shares.get,
@@ -92,6 +93,11 @@ def find(obj: bpy.types.Object, scene: bpy.types.Scene) -> WornOver:
     garments = [other for other, share in shares.items() if other != body and share > LEAST_OVERLAP
                 and share > MORE_OVER * back(other)]
     return WornOver(body, garments, [], trees, shares.get(body, 0.0))
+
+
+def _hangs_on_bone(obj: bpy.types.Object) -> bool:
+    """Whether it is a thing in a hand or at a belt: a book or a bottle that a garment lies beside is no body in it."""
+    return obj.parent_type == "BONE" and not any(m.type == "ARMATURE" for m in obj.modifiers)
 
 
 def _is_within(garment: bpy.types.Object, obj: bpy.types.Object) -> bool:

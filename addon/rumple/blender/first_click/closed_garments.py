@@ -13,8 +13,8 @@ from . import body_search
 
 
 def is_one(obj: bpy.types.Object, scene: bpy.types.Scene, base: BaseMesh, up: np.ndarray) -> bool:
-    """Whether an object is such a garment. base: its mesh at rest, without skin. up: (3,) in its object space. Cost: that
-    of is_closed_garment(), and 1 ms for 1,000 vertices of what has its shape."""
+    """Whether an object is such a garment. base: its mesh at rest, without skin. up: (3,) in its object space. Cost:
+    that of is_closed_garment(), and 1 ms for 1,000 vertices of what has its shape."""
     own = obj.matrix_world.inverted_safe()
     others = [transforms.placed(np.array(own @ other.matrix_world, np.float32),
                                 mesh_reader.rest_positions(other, "REST_POSE", ""))

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Finds skinned objects with the shape of a garment that are none, for the first click: skin, hair and shoes by the names
-of all of their materials, and small things that one bone moves, such as a lamp, a wristband or a part of a robot."""
+"""Finds skinned objects with the shape of a garment that are none, for the first click: skin, hair and shoes by the
+names of all of their materials, and small things that one bone moves, such as a lamp, a wristband or a part of a robot.
+"""
 from __future__ import annotations
 
 import bpy

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Recognises garments whose ends are closed where other objects continue, as characters of games wear them: trousers and
-jackets in an object of their own without an opening, coats that are open at the collar alone. Never imports bpy."""
+"""Recognises garments whose ends are closed where other objects continue, as characters of games wear them: trousers
+and jackets in an object of their own without an opening, coats that are open at the collar alone. Never imports bpy.
+"""
 from __future__ import annotations
 
 import numpy as np
@@ -13,7 +14,7 @@ from .measured_parts import measured
 LEAST_SIZE = 0.35  # least diagonal / height of the figure: trousers have 0.55, a boot 0.31, a hat 0.29
 # Least height of the figure above it / height of the figure: the head is above a jacket. Hair is above a body by less.
 LEAST_ABOVE = 0.1
-# Of a garment with one opening: least height of the figure below it / height of the figure. Below a coat are feet, while a
+# Of a garment with one opening: least height of the figure below it / height of the figure. Below a coat are feet; a
 # body that is cut off at its neck ends where the figure does.
 LEAST_BELOW = 0.03
 LEAST_BONES, LEAST_SHARE = 2, 0.05  # it bends: so many bones each move at least this share of its vertices

@@ -20,7 +20,8 @@ SKIN = frozenset((
     "hand", "finger", "nail", "fingernail", "foot", "feet", "toe", "toenail"))
 SHOES = frozenset(("shoe", "boot", "sneaker", "sandal", "slipper", "sole"))
 # Of armour over clothes. Colours ("Gold", "Silver") are not among them.
-METALS = frozenset(("metal", "steel", "iron", "brass", "bronze", "chrome", "armor", "armour", "chestplate", "breastplate"))
+METALS = frozenset((
+    "metal", "steel", "iron", "brass", "bronze", "chrome", "armor", "armour", "chestplate", "breastplate"))
 SKIN_CHARACTERS = frozenset("肌肤膚顔颜脸臉髪髮靴鞋")
 # Of a name with one of these, no other word counts: a head scarf, a hand-knitted sweater, a skin suit.
 GARMENTS = frozenset((
@@ -37,7 +38,8 @@ LEAST_AREA = 0.02  # least share of skin and of cloth in the area: a face withou
 
 
 def names_skin(material: str) -> bool:
-    """Whether a material is one of skin, hair, shoes or metal, by the words of its name: English, Chinese or Japanese."""
+    """Whether a material is one of skin, hair, shoes or metal, by the words of its name: English, Chinese or
+    Japanese."""
     words = {word.lower() for word in _WORD.findall(material)}
     words |= {word.removesuffix(end) for word in words for end in ("s", "es")}
     if words & HAIR:
