@@ -10,6 +10,7 @@ import bpy
 import numpy as np
 from mathutils import Matrix
 from rumple.blender import compat
+from rumple.blender.first_click import body_search
 from rumple.blender.objects import mesh_reader
 from support import sleeve
 
@@ -83,6 +84,20 @@ class Cut(unittest.TestCase):
         self.click()
         self.assertEqual(self.obj.rumple.mesh.base_cloth, "HANG")
         self.assertAlmostEqual(lowest_place(self.obj), float(rest[0, 0]), delta=2e-3)
+
+    def test_neither_side_is_worn_over_the_other(self) -> None:
+        """At a cut the distance is nought, and its sign was noise: with one Blender a skirt was worn over its bodice, and
+        was pushed out of it at the hip."""
+        for vertex in self.cuff.data.vertices:
+            vertex.co.x = sleeve.LENGTH + (vertex.co.x - sleeve.LENGTH) / 6.0
+            vertex.co.yz *= 1.0 + (vertex.co.x - sleeve.LENGTH)  # it is flared
+        for degrees in (10.0, 33.0, 57.0, 81.0):
+            for obj in bpy.data.objects:
+                obj.rotation_euler = (0.1, math.radians(degrees), math.radians(2.0 * degrees))
+            bpy.context.view_layer.update()
+            for obj in (self.obj, self.cuff):
+                found = body_search.find(obj, bpy.context.scene)
+                self.assertEqual((found.body, found.garments, found.clothes), (None, [], []), degrees)
 
     def test_creases_of_the_artist_stay(self) -> None:
         creases = np.zeros(len(self.obj.data.edges), np.float32)

@@ -21,6 +21,7 @@ from ..objects.bodies_at_rest import armatures
 
 SAMPLES = 500  # largest number of vertices that are tested
 NEAR = 0.08  # / the diagonal of the bounding box: the largest distance of a surface under the cloth
+SAME = 1e-3  # / the reach: a surface that near is no other one; where a figure was cut into objects, both sides meet
 LEAST_SHARE = 0.15  # share of vertices over another object: clothes over a body exceed it, a body over clothes does not
 LEAST_BODY = 0.05  # least share of vertices with the body under them; low, because bodies are often deleted there
 LEAST_OVERLAP = 0.02  # least share of vertices over another garment: the hem of a shirt over trousers
@@ -169,8 +170,8 @@ def triangles_of(obj: bpy.types.Object) -> np.ndarray:
 def _share_over(cloth: _Cloth, tree: BVHTree) -> float:
     """The share of the vertices whose nearest point on a surface is near, on the inner side of the cloth, and faces the
     same way. The direction is compared because the inner side of a thick waistband is not over the shirt around it."""
-    over = 0
+    over, same = 0, -SAME * cloth.reach
     for place, normal in zip(cloth.places, cloth.normals):
         nearest, facing, _, _ = tree.find_nearest(place, cloth.reach)
-        over += nearest is not None and (nearest - place).dot(normal) < 0.0 < facing.dot(normal)
+        over += nearest is not None and (nearest - place).dot(normal) < same and facing.dot(normal) > 0.0
     return over / max(len(cloth.places), 1)
