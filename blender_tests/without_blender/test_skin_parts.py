@@ -39,6 +39,16 @@ ELBOW = shifted(tube(20, 12, 0.044, 0.16), -0.13)  # between two sleeves
 OTHER_SLEEVE = shifted(tube(24, 8, 0.05, 0.15), -0.25)
 
 
+def head() -> BaseMesh:
+    """A ball on a neck that begins in the sleeve."""
+    mesh = tube(20, 30, 1.0, 0.27)
+    z = mesh.positions[:, 2] - mesh.positions[:, 2].min()
+    ball = np.sqrt(np.clip(0.12**2 - (z - 0.15) ** 2, 1e-6, None))
+    width = np.where(z < 0.15, np.maximum(ball, 0.04), ball)
+    return shifted(quad_mesh("Head", mesh.positions * np.c_[width, width, np.ones(len(z))],
+                             mesh.corner_vertex.reshape(-1, 4)), 0.27)
+
+
 def patch(x: float, z: float) -> BaseMesh:
     """A sheet of four centimetres that looks along x."""
     flat = sheet(4, 4, 0.04)
@@ -70,6 +80,14 @@ class WhatIsSkin(unittest.TestCase):
     def test_a_sleeve_over_the_end_of_another_and_a_pocket_are_cloth(self) -> None:
         over = shifted(tube(24, 12, 0.055, 0.15), -0.13)
         self.assertEqual(skin_faces(SLEEVE, over, HAND, patch(0.0515, 0.1)), {2})
+
+    def test_a_head_is_no_garment_that_hair_grows_out_of(self) -> None:
+        """Two locks ended in it as limbs end in a garment with closed ends: it was cloth, and its chin came through its
+        mouth. No garment is as round as a head."""
+        locks = [shifted(rounded(tube(20, 12, 0.03, 0.2)), 0.45) for _ in range(2)]
+        for lock, x in zip(locks, (-0.05, 0.05)):
+            lock.positions[:, 0] += np.float32(x)
+        self.assertEqual(skin_faces(SLEEVE, head(), *locks), {1, 2, 3})
 
     def test_what_lies_on_skin_is_left_with_it(self) -> None:
         self.assertEqual(skin_faces(SLEEVE, HAND, patch(0.042, 0.3)), {1, 2})

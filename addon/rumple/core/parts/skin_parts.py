@@ -27,6 +27,7 @@ MOST_PARTS = 64  # how many parts are tested for skin, the largest ones
 WHOLE = 0.75  # least diagonal / the mesh's of skin without an opening: a smaller closed part is a bag
 # of a garment with caps: least diagonal / the mesh's; borders of other parts that end in it
 CAPPED, ENDS_IN_IT = 0.3, 2
+BALL = 0.075  # largest volume / area^1.5 of it: a head has 0.08 and more, the trunk of a toy 0.062, trousers 0.05
 
 
 class Kinds(NamedTuple):
@@ -51,7 +52,7 @@ def find_skin(base: BaseMesh, found: MeasuredParts, part: np.ndarray, small: np.
     openings = np.array([len(own) for own in found.openings])
     counts = (found.area > 0.0) & ~small
     wide = counts & (openings > 1) & (found.diagonal >= GARMENT * whole)
-    capped = counts & (openings < 2) & (found.diagonal >= CAPPED * whole)
+    capped = counts & (openings < 2) & (found.diagonal >= CAPPED * whole) & (found.thick <= BALL)
     bodily = counts & (openings < 3) & (found.flat < FLAT) & (found.thick > THICK) & (found.diagonal >= HAND * whole)
     if counts.sum() < 2 or not (wide | capped).any() or not bodily.any():
         return Kinds.none(len(small))
