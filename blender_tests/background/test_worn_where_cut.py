@@ -86,8 +86,8 @@ class Cut(unittest.TestCase):
         self.assertAlmostEqual(lowest_place(self.obj), float(rest[0, 0]), delta=2e-3)
 
     def test_neither_side_is_worn_over_the_other(self) -> None:
-        """At a cut the distance is nought, and its sign was noise: with one Blender a skirt was worn over its bodice, and
-        was pushed out of it at the hip."""
+        """At a cut the distance is nought, and its sign was noise: with one Blender a skirt was worn over its bodice,
+        and was pushed out of it at the hip."""
         for vertex in self.cuff.data.vertices:
             vertex.co.x = sleeve.LENGTH + (vertex.co.x - sleeve.LENGTH) / 6.0
             vertex.co.yz *= 1.0 + (vertex.co.x - sleeve.LENGTH)  # it is flared
