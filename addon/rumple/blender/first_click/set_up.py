@@ -97,16 +97,17 @@ def _shape_of(obj: bpy.types.Object, scene: bpy.types.Scene, worn_over: body_sea
 def _refusal(obj: bpy.types.Object, scene: bpy.types.Scene, is_sheet: bool, closed: bool) -> str:
     """A message why an object with the shape of a garment is not made cloth; "" if it is made cloth, or does not have
     the shape. is_sheet, closed: from _shape_of()."""
-    message = ""
     if cloth_defaults.is_simulated(obj) or not cloth_defaults.is_skinned(obj):
-        return message
+        return ""
     if not_cloth.is_skin(obj):
         message = (f"{obj.name}: all of its materials name skin, hair, shoes or metal, so it is not made cloth: if it "
                    "is, set Base Cloth to Hang")
     elif not is_sheet and not_cloth.is_rigid(obj, scene) and not cloth_defaults.is_skirt(obj):
         message = (f"{obj.name}: it is small and one bone moves it, so it is not made cloth: if it is, set Base Cloth "
                    "to Hang")
-    return message if message and cloth_defaults.defaults(obj, scene, is_sheet, closed) else ""
+    else:
+        return ""
+    return message if cloth_defaults.defaults(obj, scene, is_sheet, closed) else ""
 
 
 def _set_bodies(obj: bpy.types.Object, found: body_search.WornOver) -> None:
