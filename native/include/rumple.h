@@ -9,6 +9,7 @@
 //     rumple_X_build()           the model: built once at rest, then never changed
 //     rumple_X_settings_default()  the settings, which may change in every frame
 //     rumple_X_paint_build()     the paint: factors per base vertex, carried to the solved vertices
+//     rumple_X_pose_build()      the pose: what the positions of one frame make of the model
 //     rumple_X_solve()           solves a frame from the state of the frame before: a new state, a report
 //     rumple_X_show()            the shown mesh of a solved frame
 //     rumple_X_get_view()        the contents of a handle: a struct of numbers and pointers
