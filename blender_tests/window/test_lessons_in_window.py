@@ -253,7 +253,6 @@ class Lessons(Artist):
         yield from self.choose("Pose Mode > Object Mode", "VIEW_3D")
         yield from self.select(FACE, (0.0, -0.1, 1.66))
         yield from self.modifier_tab()
-        yield from self.add("Wrinkle Field")
         yield from self.bake_maps(obj)
         yield from self.maximise("PROPERTIES")
         yield from self.pose_mode()
@@ -264,25 +263,14 @@ class Lessons(Artist):
         yield from self.check("face", obj)
 
     def bake_maps(self, obj: bpy.types.Object) -> Iterator[float]:
-        """What the lesson does in the panels, from the Wrinkle Field on."""
-        yield from self.enter("Wavelength", "1.2 cm")
-        yield from self.button("Waves")
-        yield from self.enter("Irregularity", "0.3")
-        region = self.region("PROPERTIES")
-        for from_right in (97, 69):  # screen and camera
-            box = self.places("Wrinkle Field", "PROPERTIES", alone=False)[1]  # below the path of the data
-            yield from self.click((region.x + region.width - from_right, box.middle[1]))
-        wrinkles = modifier.find(obj)
-        self.assertEqual((wrinkles.show_viewport, wrinkles.show_render), (False, False))
-        yield from self.button("Remove from Materials")
+        """What the lesson does in the panel of the maps, after the poses."""
         yield from self.button("Bake Maps")
-        yield from self.pick("Wrinkles", "Wrinkle Field", above="All Poses")
         yield from self.scroll_to("Size")
         yield from self.button("All Poses")
         yield from self.until(lambda: all(pose.image is not None for pose in obj.rumple_maps.poses), 60.0)
         yield from self.scroll_to("Shading")
         yield from self.button("Show in Materials")
-        yield from self.enter("Gain", "3")
+        yield from self.enter("Gain", "2")
         self.screenshot("lesson_face_panel")
 
     def pose_mode(self) -> Iterator[float]:
@@ -328,6 +316,8 @@ class Lessons(Artist):
         self.assertNotEqual(bpy.data.filepath, "")
         yield from self.modifier_tab()
         yield from self.button("Bake")
+        yield from self.button("Scene Range")
+        self.assertFalse(obj.rumple.bake_scene_range)
         yield from self.enter("Start", "20")
         yield from self.enter("End", "40")
         yield from self.scroll_to("Bake to Shape Keys")
