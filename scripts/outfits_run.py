@@ -225,7 +225,7 @@ def render_one(options: argparse.Namespace, folder: Path, name: str,
     obj = build_scene(options.data, options.clothes, name, colour)
     bpy.ops.wm.save_as_mainfile(filepath=str(options.out / f"{name}.blend"), compress=True)
     scene = bpy.context.scene
-    gallery_light.light(scene)
+    gallery_light.light(scene, soft=True)
     if name not in WELDED:
         gallery_light.as_cloth(obj)
     scene.cycles.samples = options.samples
