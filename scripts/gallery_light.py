@@ -37,7 +37,8 @@ LOOKS = {
 
 
 def light(scene: bpy.types.Scene, soft: bool = False) -> None:
-    """Replace the lights and the world of a scene; materials stay as they are. soft: for faces, with less shadow."""
+    """Replace the lights and the world of a scene; materials stay as they are. soft: with less shadow, for faces and
+    small figures."""
     addon_utils.enable("cycles")
     scene.render.engine = "CYCLES"
     cycles = scene.cycles

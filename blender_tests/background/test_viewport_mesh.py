@@ -270,5 +270,25 @@ class TheMeshOfRenders(unittest.TestCase):
         self.assertGreater(np.abs(saved).max(), 0.001)
 
 
+class Proxy(unittest.TestCase):
+    """While all viewports draw the folds, they show the coarse mesh, moved; renders keep the fine one."""
+
+    def test_in_viewports_alone(self) -> None:
+        obj = sleeve.scene()
+        sleeve.at(3)
+        fine, mesh = sleeve.shown(obj), sleeve.output_object(obj).data
+        for moved in (0.25, None, 0.5):
+            with self.subTest(moved):
+                count = len(obj.data.vertices)
+                output_mesh.write_proxy(mesh, None if moved is None else np.full((count, 3), moved, np.float32))
+                bpy.context.view_layer.update()
+                if moved is None:
+                    np.testing.assert_array_equal(sleeve.shown(obj), fine)
+                else:
+                    incoming = sleeve.attribute(obj, wrinkle_tree.BASE_POSITION)[:count]
+                    np.testing.assert_allclose(sleeve.shown(obj), incoming + np.float32(moved), atol=1e-6)
+        np.testing.assert_array_equal(rendered(3), fine)
+
+
 if __name__ == "__main__":
     unittest.main()

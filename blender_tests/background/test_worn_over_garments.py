@@ -103,10 +103,6 @@ class SwitchedOff(Over):
                                        atol=1e-6, err_msg=f"{angle} degrees")
 
 
-if __name__ == "__main__":
-    unittest.main()
-
-
 class ReadOnce(Worn):
     """A frame reads a body once, for all garments that are worn over it."""
 
@@ -133,3 +129,7 @@ class ReadOnce(Worn):
             for _ in range(2):
                 bodies.read(self.obj, evaluated, depsgraph)
         self.assertEqual(read.call_count, 2)
+
+
+if __name__ == "__main__":
+    unittest.main()
