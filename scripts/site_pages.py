@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Puts together what Sphinx makes the site of: the pages of docs/, CONTRIBUTING and CHANGELOG, and the references.
+"""Puts together what Sphinx makes the site of: the pages of docs/, three of the root, and the references.
 
     scripts/site_pages.py DIR
 
 The pages stand in the repository as they are read on a forge. What differs in the site is where a link leads: pages lie
-side by side there, the README is the start page, the C header is its reference, and any other file of the repository
+side by side there, docs/index.md is the start page, the C header is its reference, and any other file of the repository
 comes along to be downloaded; clips are videos. A link to what is not there is an error.
 """
 from __future__ import annotations
@@ -19,7 +19,7 @@ import site_header
 
 ROOT = Path(__file__).resolve().parents[1]
 DOCS = ROOT / "docs"
-BESIDE = {"CHANGELOG.md": "changelog.md", "CONTRIBUTING.md": "contributing.md"}  # of the root, by their site names
+BESIDE = {"README.md": "readme.md", "CHANGELOG.md": "changelog.md", "CONTRIBUTING.md": "contributing.md"}  # in the site
 # The contents, in their order; pages of docs/ that are named nowhere come last.
 PARTS = {
     "Begin": ["install", "which_system", "lessons/index", "gallery", "bench"],
@@ -27,8 +27,9 @@ PARTS = {
     "How it works": ["base_cloth", "garments", "folds_on_cloth", "cloth_measured", "wrinkle_mesh", "wrinkle_field",
                      "wrinkle_paths", "wrinkle_maps", "gpu_preview", "speed"],
     "Reference": ["reference/c", "reference/python"],
-    "The project": ["architecture", "adding_a_system", "contributing", "changelog", "pictures/SOURCES"],
+    "The project": ["readme", "architecture", "adding_a_system", "contributing", "changelog", "pictures/SOURCES"],
 }
+TITLES = {"readme": "README"}  # in the list of contents, where a page's own title is also the start page's
 LESSONS = ["first_wrinkles", "skirt", "painting", "face", "bake"]
 PYTHON = {
     "What does the work": ("native", ("surface", "base_cloth", "wrinkle_mesh", "wrinkle_layers", "wrinkle_field",
@@ -43,8 +44,6 @@ _LINK = re.compile(r"(?<!\\)\]\(([^)\s]+)\)")
 
 def name_in_site(path: PurePosixPath) -> PurePosixPath:
     """Where a file of the repository stands in the site."""
-    if str(path) == "README.md":
-        return PurePosixPath("index.md")
     if str(path).startswith("native/include/"):
         return PurePosixPath("reference/c.md")
     if str(path) in BESIDE:
@@ -84,7 +83,8 @@ def copy(source: Path, target: Path) -> None:
 def contents(names: list[str], caption: str = "", depth: int = 1) -> str:
     """A list of pages for the side of the site, not shown on the page itself."""
     options = [":hidden:", f":maxdepth: {depth}", *([f":caption: {caption}"] if caption else [])]
-    return "\n```{toctree}\n" + "\n".join([*options, "", *names]) + "\n```\n"
+    entries = [f"{TITLES[name]} <{name}>" if name in TITLES else name for name in names]
+    return "\n```{toctree}\n" + "\n".join([*options, "", *entries]) + "\n```\n"
 
 
 def add_pages(out: Path) -> list[str]:
