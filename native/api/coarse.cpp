@@ -7,6 +7,18 @@
 using namespace rumple;
 using namespace rumple::api;
 
+namespace {
+
+// The part of a dense mesh that a coarse one represents. Throws InvalidInput if it is of another mesh.
+const Surface& part_of(const rumple_surface* dense, const rumple_surface* part) {
+    const Surface &whole = given(dense, "dense").surface, &from = given(part, "part").surface;
+    expect_count("part", size_t(from.display.vertex_count), size_t(whole.display.vertex_count),
+                 "vertices of the dense mesh");
+    return from;
+}
+
+}  // namespace
+
 rumple_status rumple_coarse_build(const rumple_surface* dense, float spacing, rumple_coarse** coarse) {
     return rumple_coarse_build_of(dense, dense, spacing, coarse);
 }
@@ -14,10 +26,14 @@ rumple_status rumple_coarse_build(const rumple_surface* dense, float spacing, ru
 rumple_status rumple_coarse_build_of(const rumple_surface* dense, const rumple_surface* part, float spacing,
                                      rumple_coarse** coarse) {
     return made(coarse, "coarse", [&] {
-        const Surface &whole = given(dense, "dense").surface, &from = given(part, "part").surface;
-        expect_count("part", size_t(from.display.vertex_count), size_t(whole.display.vertex_count),
-                     "vertices of the dense mesh");
-        return new rumple_coarse{build_coarse(from, spacing), dense->shared};
+        return new rumple_coarse{build_coarse(part_of(dense, part), spacing), dense->shared};
+    });
+}
+
+rumple_status rumple_coarse_undivide(const rumple_surface* dense, const rumple_surface* part,
+                                     float least_edge, rumple_coarse** coarse) {
+    return made(coarse, "coarse", [&] {
+        return new rumple_coarse{build_undivided(part_of(dense, part), least_edge), dense->shared};
     });
 }
 

@@ -169,9 +169,11 @@ void build_coarse(World& world, Bytes& bytes) {
     const auto dense = world.surfaces.pick(bytes);
     const float spacing = bytes.real(0.1f, 0.8f);
     // From the same number, so that most kept inputs keep their meaning.
-    auto* coarse = spacing < 0.6f ? MAKE(rumple_coarse, rumple_coarse_build, dense.handle, spacing)
-                                  : MAKE(rumple_coarse, rumple_coarse_build_of, dense.handle,
-                                         world.surfaces.pick(bytes).handle, spacing);
+    auto* coarse = spacing < 0.6f   ? MAKE(rumple_coarse, rumple_coarse_build, dense.handle, spacing)
+                   : spacing < 0.7f ? MAKE(rumple_coarse, rumple_coarse_build_of, dense.handle,
+                                           world.surfaces.pick(bytes).handle, spacing)
+                                    : MAKE(rumple_coarse, rumple_coarse_undivide, dense.handle, dense.handle,
+                                           spacing - 0.65f);
     const auto* kept = world.coarses.add(coarse, dense.base, dense.id);
     rumple_coarse_view view;
     if (!kept || CALL(rumple_coarse_get_view, kept->handle, &view) != RUMPLE_OK) return;

@@ -127,6 +127,12 @@ RUMPLE_API rumple_status rumple_coarse_build(const rumple_surface* dense, float 
 // polygons and all vertices of the dense mesh.
 RUMPLE_API rumple_status rumple_coarse_build_of(const rumple_surface* dense, const rumple_surface* part,
                                                 float spacing, rumple_coarse** coarse);
+// The mesh that a dense one was made of by subdivisions (Catmull-Clark, or Blender's Simple), found from its
+// polygons alone. One subdivision is taken back, and more until the mean edge is at least least_edge, object
+// units, > 0. Its smooth surface passes through the dense mesh, too. part: as above, or the dense mesh itself.
+// Refused: a mesh that was not subdivided so often. Cost: about 2 us a polygon.
+RUMPLE_API rumple_status rumple_coarse_undivide(const rumple_surface* dense, const rumple_surface* part,
+                                                float least_edge, rumple_coarse** coarse);
 RUMPLE_API void rumple_coarse_free(rumple_coarse* coarse);
 
 typedef struct rumple_coarse_view {
@@ -136,7 +142,7 @@ typedef struct rumple_coarse_view {
 } rumple_coarse_view;
 RUMPLE_API rumple_status rumple_coarse_get_view(const rumple_coarse* coarse, rumple_coarse_view* view);
 
-// The coarse mesh as a base mesh. All its polygons are triangles.
+// The coarse mesh as a base mesh. Of rumple_coarse_build() all its polygons are triangles.
 RUMPLE_API rumple_status rumple_coarse_surface(const rumple_coarse* coarse, rumple_surface** surface);
 
 // Positions of the coarse mesh for a pose of the dense mesh, so that both smooth surfaces coincide.

@@ -14,6 +14,7 @@
 #include "surface/mesh/edge_graph.h"
 #include "surface/mesh/positions.h"
 #include "surface/output/attachments.h"
+#include "surface/output/undivided.h"
 #include "surface/refine/refinement.h"
 
 namespace rumple {
@@ -155,7 +156,7 @@ std::vector<Corners> without_small_parts(const std::vector<Corners>& triangles,
     return out.empty() ? triangles : out;
 }
 
-// polygons: triangles and quads, whose triangles meet at the first and the third corner.
+// The triangles of a polygon meet at its first corner.
 Surface surface_of(std::span<const Vec3> positions, const PolygonMesh& polygons) {
     std::vector<Index> triangle_corner;
     for (Index p = 0; p < polygons.polygons(); ++p) {
@@ -167,13 +168,13 @@ Surface surface_of(std::span<const Vec3> positions, const PolygonMesh& polygons)
     return build_surface({positions, polygons.polygon_start, polygons.corner_vertex, triangle_corner, false});
 }
 
-Surface surface_of(std::span<const Vec3> positions, const std::vector<Corners>& triangles) {
-    PolygonMesh polygons;
+PolygonMesh polygons_of(const std::vector<Corners>& triangles) {
+    PolygonMesh out;
     for (const auto& triangle : triangles) {
-        polygons.corner_vertex.insert(polygons.corner_vertex.end(), triangle.begin(), triangle.end());
-        polygons.polygon_start.push_back(polygons.corners());
+        out.corner_vertex.insert(out.corner_vertex.end(), triangle.begin(), triangle.end());
+        out.polygon_start.push_back(out.corners());
     }
-    return surface_of(positions, polygons);
+    return out;
 }
 
 // The column with the largest weight in a row; of equal ones the first.
@@ -279,7 +280,40 @@ std::vector<Index> corners_of_borders(const Surface& surface) {
     return out;
 }
 
+// A mesh whose smooth surface passes through `rest`, the places of its vertices.
+void take_cage(std::span<const Vec3> rest, const PolygonMesh& polygons, CoarseMesh& out) {
+    const Surface through = surface_of(rest, polygons);
+    out.limit = vertex_limit_stencils(through);
+    out.surface = surface_of(cage_around(through, out.limit, rest), polygons);
+    out.mean_edge = mean_edge(out.surface);
+}
+
 }  // namespace
+
+std::shared_ptr<const CoarseMesh> build_undivided(const Surface& dense, float least_edge) {
+    if (!(least_edge > 0.0f))
+        throw InvalidInput("least_edge: expected above 0, got " + std::to_string(least_edge));
+    std::vector<Index> vertex(dense.welded.vertex_count);
+    std::iota(vertex.begin(), vertex.end(), 0);
+    std::vector<Vec3> rest;
+    PolygonMesh polygons = dense.welded;
+    do {
+        std::optional<Undivided> before = undivided(polygons);
+        if (!before) throw InvalidInput("the mesh was not made by subdivision of one with such edges");
+        rest.clear();
+        for (Index& v : before->vertex) rest.push_back(dense.positions_rest[v = vertex[v]]);
+        vertex = std::move(before->vertex);
+        polygons = std::move(before->mesh);
+    } while (mean_edge(surface_of(rest, polygons)) < least_edge);
+    auto out = std::make_shared<CoarseMesh>();
+    for (const Index v : vertex) {
+        out->from_dense.add(v, 1.0f);
+        out->from_dense.end_row();
+        out->dense_vertex.push_back(dense.representative[v]);
+    }
+    take_cage(rest, polygons, *out);
+    return out;
+}
 
 std::shared_ptr<const CoarseMesh> build_coarse(const Surface& dense, float spacing) {
     if (!(spacing > 0.0f)) throw InvalidInput("spacing: expected above 0, got " + std::to_string(spacing));
@@ -296,7 +330,7 @@ std::shared_ptr<const CoarseMesh> build_coarse(const Surface& dense, float spaci
     cells.sample(corners_of_borders(fine), kRadius * spacing);
     cells.sample(border, kRadius * spacing);
     cells.sample(all, kRadius * spacing);
-    auto triangles = triangles_between(fine, cells.owner);
+    const auto triangles = triangles_between(fine, cells.owner);
     if (triangles.empty())
         throw InvalidInput("the mesh is too small for a spacing of " + std::to_string(spacing));
     auto out = std::make_shared<CoarseMesh>();
@@ -307,11 +341,7 @@ std::shared_ptr<const CoarseMesh> build_coarse(const Surface& dense, float spaci
         out->dense_vertex.push_back(dense.representative[candidates.dense_vertex[v]]);
     }
     out->from_dense.fit();
-    triangles = without_small_parts(triangles, rest, spacing);
-    const Surface through = surface_of(rest, triangles);
-    out->limit = vertex_limit_stencils(through);
-    out->surface = surface_of(cage_around(through, out->limit, rest), triangles);
-    out->mean_edge = mean_edge(out->surface);
+    take_cage(rest, polygons_of(without_small_parts(triangles, rest, spacing)), *out);
     return out;
 }
 

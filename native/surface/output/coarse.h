@@ -14,7 +14,7 @@ namespace rumple {
 
 // Built once at rest, then immutable.
 struct CoarseMesh {
-    Surface surface;                  // triangles; its smooth (limit) surface passes through the dense mesh
+    Surface surface;                  // its smooth (limit) surface passes through the dense mesh
     SparseRows from_dense;            // where the smooth surface passes <- welded vertices of the dense mesh
     std::vector<Index> dense_vertex;  // per vertex of `surface`: the vertex of the dense mesh, as the artist
                                       // has it, that is nearest to it along the edges
@@ -27,6 +27,11 @@ struct CoarseMesh {
 // make none either. Throws InvalidInput if the result has no triangle. Cost: about O(vertices x log vertices
 // x log coarse vertices), plus the cost of limit_stencils() at the coarse vertices.
 std::shared_ptr<const CoarseMesh> build_coarse(const Surface& dense, float spacing);
+
+// The mesh that a dense one was made of by subdivisions (surface/output/undivided.h). One is taken back, and
+// more until the mean edge is at least least_edge, object units, > 0. Throws InvalidInput if there are not so
+// many. Cost: O(corners x log corners), plus that of limit_stencils().
+std::shared_ptr<const CoarseMesh> build_undivided(const Surface& dense, float least_edge);
 
 // Computes positions of the coarse vertices, such that the smooth surface of the coarse mesh passes through
 // the dense mesh. positions: of the dense mesh's vertices, object space. Throws InvalidInput if positions do

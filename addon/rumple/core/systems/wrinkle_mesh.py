@@ -99,10 +99,26 @@ def coarse_mesh(base: BaseMesh, settings: MeshSettings, surface: Any, unit_scale
     dense = base.mean_edge() < limit or base.share_narrower_than(limit) > UNEVEN
     if outer is None and not (dense and by_wavelength and settings.base_cloth != "OFF"):
         return None
+    part = None if outer is None else outer.surface
+    cage = undivided(cloth, limit, surface, part) if dense else None
+    if cage is not None:
+        return cage
     try:
-        return kernels.build_coarse(surface, spacing / unit_scale, None if outer is None else outer.surface)
+        return kernels.build_coarse(surface, spacing / unit_scale, part)
     except ValueError:
         return None
+
+
+def undivided(cloth: BaseMesh, limit: float, surface: Any, part: Any) -> Any:
+    """The mesh that a dense one was subdivided from, if that would be solved on its own mesh: native, or None. limit:
+    the mean edge below which a mesh is too dense, object units."""
+    try:
+        cage = kernels.undivide(surface, limit, part)
+    except ValueError:
+        return None
+    # subdivision keeps the shape of faces, and divides their width as it does the edges
+    width = limit * cloth.mean_edge() / cage.mean_edge
+    return cage if cloth.share_narrower_than(width) <= UNEVEN else None
 
 
 class WrinkleMesh(Wrinkles):
@@ -175,7 +191,7 @@ class WrinkleMesh(Wrinkles):
         coarse = coarse_mesh(base, settings, surface, unit_scale, outer)
         edge = (base.mean_edge() if coarse is None else coarse.mean_edge) * unit_scale
         count = halvings(edge, settings.wavelength)
-        if coarse is not None:
+        if coarse is not None and coarse.spacing:
             count = float(round(count))  # its edges were made for this wavelength
         level, share, whole = settings.level, 1.0, settings.level
         if settings.density == "WAVELENGTH":

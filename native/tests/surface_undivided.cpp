@@ -1,0 +1,188 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Laws of taking a subdivision back.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <map>
+#include <numeric>
+
+#include "surface/output/coarse.h"
+#include "surface/output/undivided.h"
+#include "tests/meshes.h"
+#include "tests/refusals.h"
+
+namespace rumple::tests {
+namespace {
+
+// One subdivision without smoothing, its vertices in Blender's order: those of the mesh, of the edges, of the
+// faces.
+MeshData subdivided(const MeshData& mesh) {
+    MeshData out;
+    out.positions = mesh.positions;
+    std::map<std::pair<Index, Index>, Index> middle;
+    const auto edge = [&](Index a, Index b) {
+        const auto [found, made] =
+            middle.try_emplace(std::minmax(a, b), static_cast<Index>(out.positions.size()));
+        if (made) out.positions.push_back(0.5f * (mesh.positions[a] + mesh.positions[b]));
+        return found->second;
+    };
+    const Index faces = static_cast<Index>(mesh.polygon_start.size()) - 1;
+    const auto corner = [&](Index face, Index k) {
+        const Index begin = mesh.polygon_start[face], size = mesh.polygon_start[face + 1] - begin;
+        return mesh.corner_vertex[begin + (k + size) % size];
+    };
+    const auto corners = [&](Index face) { return mesh.polygon_start[face + 1] - mesh.polygon_start[face]; };
+    for (Index face = 0; face < faces; ++face)
+        for (Index k = 0; k < corners(face); ++k) edge(corner(face, k), corner(face, k + 1));
+    for (Index face = 0; face < faces; ++face) {
+        Vec3 sum(0.0f);
+        for (Index k = 0; k < corners(face); ++k) sum += mesh.positions[corner(face, k)];
+        const Index centre = static_cast<Index>(out.positions.size());
+        out.positions.push_back(sum / float(corners(face)));
+        for (Index k = 0; k < corners(face); ++k) {
+            const Index v = corner(face, k);
+            out.add_polygon({v, edge(v, corner(face, k + 1)), centre, edge(corner(face, k - 1), v)});
+        }
+    }
+    return out;
+}
+
+// The polygons, each from its lowest vertex on.
+std::vector<std::vector<Index>> polygons_of(const std::vector<Index>& start,
+                                            const std::vector<Index>& vertex) {
+    std::vector<std::vector<Index>> out;
+    for (size_t p = 0; p + 1 < start.size(); ++p) {
+        std::vector<Index> one(vertex.begin() + start[p], vertex.begin() + start[p + 1]);
+        std::ranges::rotate(one, std::ranges::min_element(one));
+        out.push_back(std::move(one));
+    }
+    std::ranges::sort(out);
+    return out;
+}
+
+std::optional<Undivided> undivided_of(const MeshData& mesh) {
+    return undivided(build(mesh, false).welded);
+}
+
+// Its vertices in another order.
+MeshData renumbered(const MeshData& mesh, unsigned seed) {
+    std::vector<Index> place(mesh.positions.size());
+    std::iota(place.begin(), place.end(), 0);
+    std::mt19937 random(seed);
+    for (size_t k = place.size() - 1; k > 0; --k) std::swap(place[k], place[random() % (k + 1)]);
+    MeshData out = mesh;
+    for (size_t v = 0; v < place.size(); ++v) out.positions[place[v]] = mesh.positions[v];
+    for (Index& v : out.corner_vertex) v = place[v];
+    return out;
+}
+
+// A pyramid over a pentagon, without a bottom: triangles and a vertex of five.
+MeshData pyramid() {
+    MeshData mesh;
+    for (Index k = 0; k < 5; ++k) {
+        const float angle = 2.0f * std::numbers::pi_v<float> * float(k) / 5.0f;
+        mesh.positions.push_back({std::cos(angle), std::sin(angle), 0.0f});
+    }
+    mesh.positions.push_back({0.0f, 0.0f, 1.0f});
+    for (Index k = 0; k < 5; ++k) mesh.add_polygon({k, (k + 1) % 5, 5});
+    return mesh;
+}
+
+// With one face more, a pentagon.
+MeshData closed_pyramid() {
+    MeshData mesh = pyramid();
+    mesh.add_polygon({4, 3, 2, 1, 0});
+    return mesh;
+}
+
+std::vector<MeshData> samples() {
+    return {grid(1, 1, 1.0f),
+            grid(3, 2, 0.1f),
+            grid(4, 4, 0.1f),
+            tube(8, 6, 1.0f, 2.0f),
+            tube(5, 3, 1.0f, 2.0f),
+            cube(),
+            pyramid(),
+            closed_pyramid(),
+            with_part(tube(6, 4, 1.0f, 2.0f), grid(2, 2, 0.1f), Vec3(5.0f))};
+}
+
+TEST(Undivided, ASubdivisionIsTakenBackExactly) {
+    for (const MeshData& mesh : samples()) {
+        const auto found = undivided_of(subdivided(mesh));
+        ASSERT_TRUE(found);
+        EXPECT_EQ(polygons_of(found->mesh.polygon_start, found->mesh.corner_vertex),
+                  polygons_of(mesh.polygon_start, mesh.corner_vertex));
+        std::vector<Index> same(mesh.positions.size());
+        std::iota(same.begin(), same.end(), 0);
+        EXPECT_EQ(found->vertex, same);
+    }
+}
+
+TEST(Undivided, TwoSubdivisionsAreTakenBackOneAfterTheOther) {
+    for (const MeshData& mesh : samples()) {
+        const auto once = undivided_of(subdivided(subdivided(mesh)));
+        ASSERT_TRUE(once);
+        const auto twice = undivided(once->mesh);
+        ASSERT_TRUE(twice);
+        EXPECT_EQ(polygons_of(twice->mesh.polygon_start, twice->mesh.corner_vertex),
+                  polygons_of(mesh.polygon_start, mesh.corner_vertex));
+    }
+}
+
+// Where only one answer exists, the order of the vertices does not matter. (A cube has two: itself and its
+// dual.)
+TEST(Undivided, AnotherOrderOfTheVerticesGivesTheSameMesh) {
+    for (const MeshData& mesh : {pyramid(), grid(3, 2, 0.1f)}) {
+        for (const unsigned seed : {1u, 2u, 3u}) {
+            const MeshData dense = renumbered(subdivided(mesh), seed);
+            const auto found = undivided_of(dense);
+            ASSERT_TRUE(found);
+            ASSERT_EQ(found->vertex.size(), mesh.positions.size());
+            for (const Index v : found->vertex)
+                EXPECT_EQ(std::ranges::count(mesh.positions, dense.positions[v]), 1);
+        }
+    }
+}
+
+TEST(Undivided, WhatWasNotSubdividedIsNot) {
+    MeshData hole = subdivided(grid(3, 3, 0.1f)), split = hole;
+    hole.corner_vertex.resize(hole.corner_vertex.size() - 4);
+    hole.polygon_start.pop_back();
+    hole.triangle_corner.resize(hole.triangle_corner.size() - 6);
+    for (const MeshData& mesh :
+         {grid(3, 4, 0.1f), tube(8, 5, 1.0f, 2.0f), tube(7, 6, 1.0f, 2.0f), cube(),
+          triangulated(subdivided(cube())), pyramid(), hole, with_part(split, grid(3, 1, 0.1f), Vec3(5.0f))})
+        EXPECT_FALSE(undivided_of(mesh));
+}
+
+TEST(Undivided, ACoarseMeshIsMadeOfItWithAsManySubdivisionsTakenBackAsAreAskedFor) {
+    const MeshData mesh = tube(12, 9, 0.08f, 0.4f), dense = subdivided(subdivided(mesh));
+    const Surface surface = build(dense);
+    for (const auto& [least, vertices] :
+         {std::pair(0.001f, 24u * 19u), {0.015f, 24u * 19u}, {0.03f, 12u * 10u}}) {
+        const auto coarse = build_undivided(surface, least);
+        EXPECT_EQ(coarse->dense_vertex.size(), vertices);
+        EXPECT_GE(coarse->mean_edge, least);
+    }
+    expect_refused([&] { build_undivided(surface, 0.05f); }, {"subdivision"});
+    expect_refused([&] { build_undivided(surface, 0.0f); }, {"least_edge"});
+    expect_refused([&] { build_undivided(build(mesh), 0.001f); }, {"subdivision"});
+}
+
+TEST(Undivided, TheSmoothSurfaceOfTheCoarseMeshRunsThroughTheDenseOne) {
+    const MeshData dense = subdivided(tube(12, 9, 0.08f, 0.4f));
+    const Surface surface = build(dense);
+    const auto coarse = build_undivided(surface, 0.03f);
+    const std::vector<Vec3> at = coarse_positions(*coarse, surface, dense.positions);
+    EXPECT_EQ(at, coarse->surface.positions_rest) << "at rest it is the rest shape, to the bit";
+    std::vector<Vec3> smooth(at.size());
+    apply<Vec3>(coarse->limit, at, smooth);
+    for (size_t v = 0; v < at.size(); ++v) {
+        const Vec3& wanted = dense.positions[coarse->dense_vertex[v]];
+        EXPECT_NEAR(std::hypot(smooth[v].y, smooth[v].z), std::hypot(wanted.y, wanted.z), 3e-4f);
+    }
+}
+
+}  // namespace
+}  // namespace rumple::tests
