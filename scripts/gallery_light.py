@@ -14,8 +14,8 @@ import bpy
 from mathutils import Vector
 
 SAMPLES = 32  # of each pixel
-# ffmpeg's filters, for Debian's Blender has no denoiser: the median takes single pixels out of the edges of shadows, which
-# non-local means would keep.
+# ffmpeg's filters, for Debian's Blender has no denoiser. The median takes single pixels out of the edges of shadows:
+# non-local means would keep them.
 DENOISE = "format=gbrp,median=radius=1,nlmeans=s=4:p=5:r=11"
 # Where the light comes from, watts per square metre, its angle in degrees, colour.
 SOFT_KEY = (-0.75, -0.45, 0.55), 3.4, 14.0, (1.0, 0.96, 0.90)

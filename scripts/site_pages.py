@@ -32,8 +32,8 @@ PARTS = {
 TITLES = {"readme": "README"}  # in the list of contents, where a page's own title is also the start page's
 LESSONS = ["first_wrinkles", "skirt", "painting", "face", "bake"]
 PYTHON = {
-    "What does the work": ("native", ("surface", "base_cloth", "wrinkle_mesh", "wrinkle_layers", "wrinkle_field",
-                                      "wrinkle_field_brush", "wrinkle_field_steps", "wrinkle_paths",
+    "What does the work": ("native", ("surface", "coarse_mesh", "base_cloth", "wrinkle_mesh", "wrinkle_layers",
+                                      "wrinkle_field", "wrinkle_field_brush", "wrinkle_field_steps", "wrinkle_paths",
                                       "wrinkle_paths_drawing", "wrinkle_maps", "handle", "library")),
     "What an add-on needs beside it": ("core", ("settings.system_settings", "settings.fabrics", "mesh.base_mesh",
                                                 "frame.engine", "frame.frame_cache", "systems.all_systems",

@@ -11,8 +11,8 @@ from rumple.core.mesh.base_mesh import BaseMesh
 from rumple.core.mesh.body import Body
 from rumple.core.settings.fabrics import FABRICS
 from rumple.core.settings.system_settings import MeshSettings
-from rumple.core.systems.wrinkle_mesh import (
-    COARSE_SPACING, SPACING_RANGE, WrinkleMesh, cloth_defaults, coarse_mesh, fitting_spacing)
+from rumple.core.systems.coarse_mesh import COARSE_SPACING, SPACING_RANGE, coarse_mesh, fitting_spacing
+from rumple.core.systems.wrinkle_mesh import WrinkleMesh, cloth_defaults
 from support.frames import solve_frame
 from support.meshes import tube
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from . import c
 from .base_cloth import *
+from .coarse_mesh import *
 from .force_fields import *
 from .stopping import *
 from .surface import *

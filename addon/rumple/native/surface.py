@@ -127,49 +127,6 @@ def rigid_motions(starts: np.ndarray, before: np.ndarray, after: np.ndarray) -> 
     return motions.reshape(-1, 4, 3)
 
 
-class CoarseMesh(Handle):
-    """A coarse mesh that represents a dense one. Made by build_coarse or undivide. m vertices."""
-
-    __slots__ = ("surface", "dense", "spacing")
-    POINTER, FREE = c.CoarsePointer, "rumple_coarse_free"
-    VIEW, LOOK = c.CoarseView, "rumple_coarse_get_view"
-
-    surface: Surface  # its polygons
-    dense: Surface
-    spacing: float | None  # as asked for; None: the edges are those of a mesh that was subdivided
-    dense_vertex = Array("(m,) int32: of every vertex the nearest vertex of the dense mesh", INT, "vertex_count")
-    mean_edge = Number("mean length of its edges, object units")
-
-    def positions(self, dense: Surface, positions: np.ndarray) -> np.ndarray:
-        """(n, 3) float32 of the dense mesh's vertices -> (m, 3), so that both smooth surfaces coincide."""
-        if dense is not self.dense:
-            raise ValueError("dense: the coarse mesh was made for another mesh")
-        place, count = given(positions, "positions", FLOAT, 3)
-        out = new(FLOAT, self.view.vertex_count, 3)
-        lib.rumple_coarse_positions(self, place, count, address(out), len(out))
-        return out
-
-
-def build_coarse(dense: Surface, spacing: float, part: Surface | None = None) -> CoarseMesh:
-    """A coarse mesh for a dense one (Peyre and Cohen 2006). spacing: approximate mean edge length, object units. part:
-    a surface with some polygons and all vertices of the dense mesh, to represent only these; None: all. Raises
-    ValueError if the mesh is too small for it."""
-    coarse = CoarseMesh.made(lib.rumple_coarse_build_of, dense, part or dense, spacing)
-    return _completed(coarse, dense, spacing)
-
-
-def undivide(dense: Surface, least_edge: float, part: Surface | None = None) -> CoarseMesh:
-    """The mesh that a dense one was made of by one subdivision, or by more until its mean edge is at least least_edge,
-    object units. part: as of build_coarse. Raises ValueError if the mesh was not subdivided so often."""
-    coarse = CoarseMesh.made(lib.rumple_coarse_undivide, dense, part or dense, least_edge)
-    return _completed(coarse, dense, None)
-
-
-def _completed(coarse: CoarseMesh, dense: Surface, spacing: float | None) -> CoarseMesh:
-    coarse.dense, coarse.spacing, coarse.surface = dense, spacing, Surface.made(lib.rumple_coarse_surface, coarse)
-    return coarse
-
-
 class ShownMesh(Handle):
     """The mesh that is shown instead of the base: d vertices, q polygons, k corners. Part of a model."""
 
@@ -404,6 +361,5 @@ def label_clip(model: Any, settings: Any, times: np.ndarray, positions: np.ndarr
     return labels
 
 
-__all__ = ["CoarseMesh", "HealedMesh", "ShownFrame", "ShownMesh", "Surface", "build_coarse", "build_surface",
-           "count_openings", "embed_frame", "heal_mesh", "label_clip", "outer_side", "rigid_motions", "suggest_follow",
-           "undivide"]
+__all__ = ["HealedMesh", "ShownFrame", "ShownMesh", "Surface", "build_surface", "count_openings", "embed_frame",
+           "heal_mesh", "label_clip", "outer_side", "rigid_motions", "suggest_follow"]

@@ -10,9 +10,10 @@ import numpy as np
 from . import c
 from .arrays import FLOAT, INT, checked, fill, given, lent, lent_all
 from .base_cloth import Collider, bodies
+from .coarse_mesh import CoarseMesh
 from .handle import Array, Handle, Number
 from .library import lib
-from .surface import CoarseMesh, FrameState, ShownFrame, SteppedModel, Surface, stored_array
+from .surface import FrameState, ShownFrame, SteppedModel, Surface, stored_array
 from .wrinkle_mesh import PAINTED, WrinkleMeshReport, WrinkleMeshSettings, painted_factors
 
 

@@ -129,7 +129,7 @@ RUMPLE_API rumple_status rumple_coarse_build_of(const rumple_surface* dense, con
                                                 float spacing, rumple_coarse** coarse);
 // The mesh that a dense one was made of by subdivisions (Catmull-Clark, or Blender's Simple), found from its
 // polygons alone. One subdivision is taken back, and more until the mean edge is at least least_edge, object
-// units, > 0. Its smooth surface passes through the dense mesh, too. part: as above, or the dense mesh itself.
+// units, > 0. Its smooth surface passes through the dense mesh, too. part: as above, or the dense mesh.
 // Refused: a mesh that was not subdivided so often. Cost: about 2 us a polygon.
 RUMPLE_API rumple_status rumple_coarse_undivide(const rumple_surface* dense, const rumple_surface* part,
                                                 float least_edge, rumple_coarse** coarse);

@@ -20,7 +20,6 @@ from ..frame.frame_input import FrameInput
 from ..mesh.base_mesh import BaseMesh
 from ..mesh.body import Body
 from ..mesh.frame_result import FrameResult, PreviewFrame
-from ..mesh.outer_side import OuterSide
 from ..mesh.outer_side import find as find_outer_side
 from ..mesh.shown_mesh import ViewportMesh
 from ..paint.fold_guides import ALONG
@@ -28,22 +27,15 @@ from ..paint.hangs_free import FREE, WORN, with_wide_folds
 from ..paint.paint_maps import WIDTH, fold_width
 from ..parts.cloth_surface import checked_surface
 from ..parts.flared import is_flared
-from ..settings.cloth_settings import ClothSettings, direction_of, nearest_up
+from ..settings.cloth_settings import ClothSettings, nearest_up
 from ..settings.system_settings import MeshSettings
+from .coarse_mesh import coarse_mesh
 from .fold_density import (EDGES_PER_WAVELENGTH, halvings, layers_for, level_for, share_of_layer,
                            suggested_wavelength)
 
 MOST_STEPS = 2  # unsolved subdivisions
 MOST_UNDER_PROXY = 100_000  # shown vertices up to which the GPU preview moves its proxy to the smooth surface
 FARTHEST_OWN = 0.25  # an own mesh farther from the base than this share of the base's diagonal is refused
-
-
-COARSE_SPACING = 0.033  # metres: distance of the coarse mesh's vertices in an adult's garment of cotton
-MEAN_EDGE = 32.0 / 33.0  # mean edge of a coarse mesh / distance of its vertices: its widest folds have five edges
-SPACING_RANGE = math.sqrt(2.0)  # distance of coarse vertices / COARSE_SPACING: at most this, at least 1 / this
-WIDE = 0.1  # metres: if the finest folds are this wide, and for every skirt, the coarse edges are twice as long
-DENSE = 20.0 / 33.0  # relative to COARSE_SPACING: a base with shorter edges is solved on a coarse mesh instead
-UNEVEN = 0.1  # ... and so is one with more than this share of its area in faces that are narrower than DENSE
 # Metres: the finest folds of an adult's cotton garment. Cloth that hangs free has few, wide folds.
 CLOTH_WAVELENGTH, SKIRT_WAVELENGTH = 0.04, 0.14
 # finest folds of a sheet like a scarf: least width; width / diagonal (at most a skirt's)
@@ -77,48 +69,6 @@ def cloth_defaults(base: BaseMesh, unit_scale: float, world_from_object: np.ndar
 
 # For a simulated garment: folds of several sizes, and no folds from the small compression of the simulation's noise.
 SIMULATED_DEFAULTS = dict(layers="CLOTH", buckling_threshold=0.01)
-
-
-def fitting_spacing(usual: float, wavelength: float) -> float:
-    """Metres: the distance of coarse vertices nearest to the usual one for which the finest layer has folds of exactly
-    this wavelength, so that every fabric has its own fold width. At most SPACING_RANGE times the usual one."""
-    count = halvings(MEAN_EDGE * usual, wavelength)
-    return usual * min(2.0 ** round(max(round(count), 0) - count, 6), SPACING_RANGE)  # six digits are float32's
-
-
-def coarse_mesh(base: BaseMesh, settings: MeshSettings, surface: Any, unit_scale: float,
-                outer: OuterSide | None = None) -> Any:
-    """The native coarse mesh that represents a base that is too dense for wide folds, or the outer side of a base with
-    an inner side. None if neither applies, or if the base is too small."""
-    size = size_factor(base.diagonal(), unit_scale)
-    by_wavelength, cloth = settings.density == "WAVELENGTH", base if outer is None else outer.mesh
-    wide = by_wavelength and (settings.wavelength >= WIDE * size or is_flared(cloth, direction_of(settings.up)))
-    spacing = COARSE_SPACING * size * (2.0 if wide else 1.0)
-    limit = DENSE * spacing / unit_scale
-    spacing = fitting_spacing(spacing, settings.wavelength) if by_wavelength else spacing
-    dense = base.mean_edge() < limit or base.share_narrower_than(limit) > UNEVEN
-    if outer is None and not (dense and by_wavelength and settings.base_cloth != "OFF"):
-        return None
-    part = None if outer is None else outer.surface
-    cage = undivided(cloth, limit, surface, part) if dense else None
-    if cage is not None:
-        return cage
-    try:
-        return kernels.build_coarse(surface, spacing / unit_scale, part)
-    except ValueError:
-        return None
-
-
-def undivided(cloth: BaseMesh, limit: float, surface: Any, part: Any) -> Any:
-    """The mesh that a dense one was subdivided from, if that would be solved on its own mesh: native, or None. limit:
-    the mean edge below which a mesh is too dense, object units."""
-    try:
-        cage = kernels.undivide(surface, limit, part)
-    except ValueError:
-        return None
-    # subdivision keeps the shape of faces, and divides their width as it does the edges
-    width = limit * cloth.mean_edge() / cage.mean_edge
-    return cage if cloth.share_narrower_than(width) <= UNEVEN else None
 
 
 class WrinkleMesh(Wrinkles):

@@ -1,0 +1,64 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Whether a Wrinkle Mesh is solved on a coarse mesh in place of a dense one, and on which. Never imports bpy."""
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from ...native import kernels
+from ..cloth.base_cloth import size_factor
+from ..mesh.base_mesh import BaseMesh
+from ..mesh.outer_side import OuterSide
+from ..parts.flared import is_flared
+from ..settings.cloth_settings import direction_of
+from ..settings.system_settings import MeshSettings
+from .fold_density import halvings
+
+COARSE_SPACING = 0.033  # metres: distance of the coarse mesh's vertices in an adult's garment of cotton
+MEAN_EDGE = 32.0 / 33.0  # mean edge of a coarse mesh / distance of its vertices: its widest folds have five edges
+SPACING_RANGE = math.sqrt(2.0)  # distance of coarse vertices / COARSE_SPACING: at most this, at least 1 / this
+WIDE = 0.1  # metres: if the finest folds are this wide, and for every skirt, the coarse edges are twice as long
+DENSE = 20.0 / 33.0  # relative to COARSE_SPACING: a base with shorter edges is solved on a coarse mesh instead
+UNEVEN = 0.1  # ... and so is one with more than this share of its area in faces that are narrower than DENSE
+
+
+def fitting_spacing(usual: float, wavelength: float) -> float:
+    """Metres: the distance of coarse vertices nearest to the usual one for which the finest layer has folds of exactly
+    this wavelength, so that every fabric has its own fold width. At most SPACING_RANGE times the usual one."""
+    count = halvings(MEAN_EDGE * usual, wavelength)
+    return usual * min(2.0 ** round(max(round(count), 0) - count, 6), SPACING_RANGE)  # six digits are float32's
+
+
+def coarse_mesh(base: BaseMesh, settings: MeshSettings, surface: Any, unit_scale: float,
+                outer: OuterSide | None = None) -> Any:
+    """The native coarse mesh that represents a base that is too dense for wide folds, or the outer side of a base with
+    an inner side. None if neither applies, or if the base is too small."""
+    size = size_factor(base.diagonal(), unit_scale)
+    by_wavelength, cloth = settings.density == "WAVELENGTH", base if outer is None else outer.mesh
+    wide = by_wavelength and (settings.wavelength >= WIDE * size or is_flared(cloth, direction_of(settings.up)))
+    spacing = COARSE_SPACING * size * (2.0 if wide else 1.0)
+    limit = DENSE * spacing / unit_scale
+    spacing = fitting_spacing(spacing, settings.wavelength) if by_wavelength else spacing
+    dense = base.mean_edge() < limit or base.share_narrower_than(limit) > UNEVEN
+    if outer is None and not (dense and by_wavelength and settings.base_cloth != "OFF"):
+        return None
+    part = None if outer is None else outer.surface
+    cage = undivided(cloth, limit, surface, part) if dense and by_wavelength else None
+    if cage is not None:
+        return cage
+    try:
+        return kernels.build_coarse(surface, spacing / unit_scale, part)
+    except ValueError:
+        return None
+
+
+def undivided(cloth: BaseMesh, limit: float, surface: Any, part: Any) -> Any:
+    """The mesh that a dense one was subdivided from, if that would be solved on its own mesh: native, or None. limit:
+    the mean edge below which a mesh is too dense, object units."""
+    try:
+        cage = kernels.undivide(surface, limit, part)
+    except ValueError:
+        return None
+    # subdivision keeps the shape of faces, and divides their width as it does the edges
+    width = limit * cloth.mean_edge() / cage.mean_edge
+    return cage if cloth.share_narrower_than(width) <= UNEVEN else None
