@@ -98,29 +98,31 @@ class Dense(cloth_scenes.Cloth):
         self.assertEqual((self.obj.rumple.message, coat.rumple.message), ("", ""))
 
 
-class Subdivided(cloth_scenes.Cloth):
-    """Blender's Subdivision, applied or live above the wrinkles: the cloth is that of the mesh before it."""
+class AsModelled(cloth_scenes.Cloth):
+    """Subdivision and Triangulate, applied or live above the wrinkles: the cloth is that of the mesh before."""
 
-    def wrinkled(self, levels: int, applied: bool) -> bpy.types.Object:
+    def wrinkled(self, kinds: tuple[str, ...], applied: bool) -> bpy.types.Object:
+        """One click on a sleeve with these modifiers above its armature's."""
         obj = sleeve.scene(wrinkles=False)
         sleeve.under(obj, radius=0.8)
         sleeve.make_active(obj)
-        if levels:
-            obj.modifiers.new("Subdivision", "SUBSURF").levels = levels
-            bpy.ops.object.modifier_move_to_index(modifier="Subdivision", index=0)
-        if applied:
-            bpy.ops.object.modifier_apply(modifier="Subdivision")
+        for place, kind in enumerate(kinds):
+            name = obj.modifiers.new(kind, kind).name
+            bpy.ops.object.modifier_move_to_index(modifier=name, index=0 if applied else place)
+            if applied:
+                bpy.ops.object.modifier_apply(modifier=name)
         obj.rumple.mesh.property_unset("base_cloth")
         bpy.ops.object.rumple_add(method="MESH")
         bpy.context.view_layer.update()
         return obj
 
     def test_it_is_solved_on_the_mesh_before(self) -> None:
-        for levels, applied in ((1, True), (2, True), (2, False)):
-            obj = self.wrinkled(levels, applied)
+        once, twice, cut = ("SUBSURF",), ("SUBSURF", "SUBSURF"), ("TRIANGULATE",)
+        for kinds, applied in ((once, True), (twice, False), (cut, True), (cut, False), (once + cut, True)):
+            obj = self.wrinkled(kinds, applied)
             sleeve.play(LAST)
             coarse = runtimes.of(obj).evaluator.coarse
-            self.assertEqual(coarse.surface.vertex_count, sleeve.AROUND * sleeve.ALONG, (levels, applied))
+            self.assertEqual(coarse.surface.vertex_count, sleeve.AROUND * sleeve.ALONG, (kinds, applied))
             self.assertEqual(obj.rumple.message, "")
 
 

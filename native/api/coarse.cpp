@@ -30,10 +30,10 @@ rumple_status rumple_coarse_build_of(const rumple_surface* dense, const rumple_s
     });
 }
 
-rumple_status rumple_coarse_undivide(const rumple_surface* dense, const rumple_surface* part,
-                                     float least_edge, rumple_coarse** coarse) {
+rumple_status rumple_coarse_as_modelled(const rumple_surface* dense, const rumple_surface* part,
+                                        float least_edge, rumple_coarse** coarse) {
     return made(coarse, "coarse", [&] {
-        return new rumple_coarse{build_undivided(part_of(dense, part), least_edge), dense->shared};
+        return new rumple_coarse{build_as_modelled(part_of(dense, part), least_edge), dense->shared};
     });
 }
 

@@ -172,8 +172,8 @@ void build_coarse(World& world, Bytes& bytes) {
     auto* coarse = spacing < 0.6f   ? MAKE(rumple_coarse, rumple_coarse_build, dense.handle, spacing)
                    : spacing < 0.7f ? MAKE(rumple_coarse, rumple_coarse_build_of, dense.handle,
                                            world.surfaces.pick(bytes).handle, spacing)
-                                    : MAKE(rumple_coarse, rumple_coarse_undivide, dense.handle, dense.handle,
-                                           spacing - 0.65f);
+                                    : MAKE(rumple_coarse, rumple_coarse_as_modelled, dense.handle,
+                                           dense.handle, spacing - 0.65f);
     const auto* kept = world.coarses.add(coarse, dense.base, dense.id);
     rumple_coarse_view view;
     if (!kept || CALL(rumple_coarse_get_view, kept->handle, &view) != RUMPLE_OK) return;

@@ -12,7 +12,7 @@ from .surface import Surface
 
 
 class CoarseMesh(Handle):
-    """A coarse mesh that represents a dense one. Made by build_coarse or undivide. m vertices."""
+    """A coarse mesh that represents a dense one. Made by build_coarse or as_modelled. m vertices."""
 
     __slots__ = ("surface", "dense", "spacing")
     POINTER, FREE = c.CoarsePointer, "rumple_coarse_free"
@@ -20,7 +20,7 @@ class CoarseMesh(Handle):
 
     surface: Surface  # its polygons
     dense: Surface
-    spacing: float | None  # as asked for; None: the edges are those of a mesh that was subdivided
+    spacing: float | None  # as asked for; None: the mesh is as it was modelled
     dense_vertex = Array("(m,) int32: of every vertex the nearest vertex of the dense mesh", INT, "vertex_count")
     mean_edge = Number("mean length of its edges, object units")
 
@@ -42,10 +42,11 @@ def build_coarse(dense: Surface, spacing: float, part: Surface | None = None) ->
     return _completed(coarse, dense, spacing)
 
 
-def undivide(dense: Surface, least_edge: float, part: Surface | None = None) -> CoarseMesh:
-    """The mesh that a dense one was made of by one subdivision, or by more until its mean edge is at least least_edge,
-    object units. part: as of build_coarse. Raises ValueError if the mesh was not subdivided so often."""
-    coarse = CoarseMesh.made(lib.rumple_coarse_undivide, dense, part or dense, least_edge)
+def as_modelled(dense: Surface, least_edge: float, part: Surface | None = None) -> CoarseMesh:
+    """The mesh as it was modelled: quads that were cut into triangles are joined, and subdivisions taken back until the
+    mean edge is at least least_edge, object units. part: as of build_coarse. Raises ValueError if there is no such
+    mesh, or if more than a tenth of its area is in polygons narrower than least_edge."""
+    coarse = CoarseMesh.made(lib.rumple_coarse_as_modelled, dense, part or dense, least_edge)
     return _completed(coarse, dense, None)
 
 
@@ -54,4 +55,4 @@ def _completed(coarse: CoarseMesh, dense: Surface, spacing: float | None) -> Coa
     return coarse
 
 
-__all__ = ["CoarseMesh", "build_coarse", "undivide"]
+__all__ = ["CoarseMesh", "as_modelled", "build_coarse"]

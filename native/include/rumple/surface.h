@@ -127,12 +127,13 @@ RUMPLE_API rumple_status rumple_coarse_build(const rumple_surface* dense, float 
 // polygons and all vertices of the dense mesh.
 RUMPLE_API rumple_status rumple_coarse_build_of(const rumple_surface* dense, const rumple_surface* part,
                                                 float spacing, rumple_coarse** coarse);
-// The mesh that a dense one was made of by subdivisions (Catmull-Clark, or Blender's Simple), found from its
-// polygons alone. One subdivision is taken back, and more until the mean edge is at least least_edge, object
-// units, > 0. Its smooth surface passes through the dense mesh, too. part: as above, or the dense mesh.
-// Refused: a mesh that was not subdivided so often. Cost: about 2 us a polygon.
-RUMPLE_API rumple_status rumple_coarse_undivide(const rumple_surface* dense, const rumple_surface* part,
-                                                float least_edge, rumple_coarse** coarse);
+// The mesh as it was modelled: quads that were cut into triangles are joined, and subdivisions (of Catmull
+// and Clark, or Blender's Simple) taken back until the mean edge is at least least_edge, object units, > 0.
+// Its smooth surface passes through the dense mesh, too. part: as above, or the dense mesh itself. Refused: a
+// mesh that was neither cut nor subdivided, or not so often, or that has more than a tenth of its area in
+// polygons narrower than least_edge. Cost: about 2 us a polygon.
+RUMPLE_API rumple_status rumple_coarse_as_modelled(const rumple_surface* dense, const rumple_surface* part,
+                                                   float least_edge, rumple_coarse** coarse);
 RUMPLE_API void rumple_coarse_free(rumple_coarse* coarse);
 
 typedef struct rumple_coarse_view {

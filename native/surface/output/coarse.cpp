@@ -13,8 +13,8 @@
 #include "surface/mesh/disjoint_sets.h"
 #include "surface/mesh/edge_graph.h"
 #include "surface/mesh/positions.h"
+#include "surface/output/as_modelled.h"
 #include "surface/output/attachments.h"
-#include "surface/output/undivided.h"
 #include "surface/refine/refinement.h"
 
 namespace rumple {
@@ -36,6 +36,9 @@ constexpr int kCorrections = 6;
 constexpr float kDense = 0.75f, kFine = 0.4f;
 constexpr Index kMostSubdivisions = 2;
 constexpr Index kMostCorners = 400'000;  // of the subdivided mesh: about 0.4 s
+
+// Largest share of the area in narrow faces of a mesh that is solved as it was modelled.
+constexpr double kUneven = 0.1;
 
 // A part of the mesh with less area than this times spacing^2 (a button, a torn piece) has no vertices of its
 // own. It moves along with the cloth under it, and does not fall.
@@ -204,6 +207,28 @@ float mean_edge(const Surface& surface) {
     return float(sum / double(surface.edges.size()));
 }
 
+// Share of the area, 0 to 1, in polygons narrower than this: area / longest side, of triangles the height.
+double share_narrower_than(const Surface& surface, float width) {
+    const PolygonMesh& mesh = surface.welded;
+    std::vector<double> areas(size_t(mesh.polygons()), 0.0);
+    for (Index t = 0; t < Index(surface.triangles.size()); ++t) {
+        const auto [a, b, c] = welded_vertices(surface, t);
+        const std::vector<Vec3>& at = surface.positions_rest;
+        areas[surface.triangles[t].polygon] += 0.5 * glm::length(glm::cross(at[b] - at[a], at[c] - at[a]));
+    }
+    double narrow = 0.0, whole = 0.0;
+    for (Index p = 0; p < mesh.polygons(); ++p) {
+        const Index size = mesh.polygon_size(p), *corner = &mesh.corner_vertex[mesh.polygon_start[p]];
+        float longest = 0.0f;
+        for (Index k = 0; k < size; ++k)
+            longest = std::max(longest, glm::distance(surface.positions_rest[corner[k]],
+                                                      surface.positions_rest[corner[(k + 1) % size]]));
+        whole += areas[p];
+        if ((size == 3 ? 2.0 : 1.0) * areas[p] < double(width) * longest) narrow += areas[p];
+    }
+    return whole > 0.0 ? narrow / whole : 1.0;
+}
+
 // The vertices that samples are chosen among: those of the dense mesh or, if it is not so dense, of its
 // smooth surface.
 struct Candidates {
@@ -290,29 +315,30 @@ void take_cage(std::span<const Vec3> rest, const PolygonMesh& polygons, CoarseMe
 
 }  // namespace
 
-std::shared_ptr<const CoarseMesh> build_undivided(const Surface& dense, float least_edge) {
+std::shared_ptr<const CoarseMesh> build_as_modelled(const Surface& dense, float least_edge) {
     if (!(least_edge > 0.0f))
         throw InvalidInput("least_edge: expected above 0, got " + std::to_string(least_edge));
     std::vector<Index> vertex(dense.welded.vertex_count);
     std::iota(vertex.begin(), vertex.end(), 0);
-    std::vector<Vec3> rest;
-    PolygonMesh polygons = dense.welded;
-    do {
-        std::optional<Undivided> before = undivided(polygons);
-        if (!before) throw InvalidInput("the mesh was not made by subdivision of one with such edges");
-        rest.clear();
+    std::optional<MeshBefore> before = joined_triangles(dense);
+    if (!before) before = undivided(dense.welded);
+    for (; before; before = undivided(before->mesh)) {
+        std::vector<Vec3> rest;
         for (Index& v : before->vertex) rest.push_back(dense.positions_rest[v = vertex[v]]);
-        vertex = std::move(before->vertex);
-        polygons = std::move(before->mesh);
-    } while (mean_edge(surface_of(rest, polygons)) < least_edge);
-    auto out = std::make_shared<CoarseMesh>();
-    for (const Index v : vertex) {
-        out->from_dense.add(v, 1.0f);
-        out->from_dense.end_row();
-        out->dense_vertex.push_back(dense.representative[v]);
+        vertex = before->vertex;
+        const Surface surface = surface_of(rest, before->mesh);
+        if (mean_edge(surface) < least_edge) continue;
+        if (share_narrower_than(surface, least_edge) > kUneven) break;
+        auto out = std::make_shared<CoarseMesh>();
+        for (const Index v : vertex) {
+            out->from_dense.add(v, 1.0f);
+            out->from_dense.end_row();
+            out->dense_vertex.push_back(dense.representative[v]);
+        }
+        take_cage(rest, before->mesh, *out);
+        return out;
     }
-    take_cage(rest, polygons, *out);
-    return out;
+    throw InvalidInput("the mesh was not modelled with even faces of such edges");
 }
 
 std::shared_ptr<const CoarseMesh> build_coarse(const Surface& dense, float spacing) {

@@ -28,10 +28,11 @@ struct CoarseMesh {
 // x log coarse vertices), plus the cost of limit_stencils() at the coarse vertices.
 std::shared_ptr<const CoarseMesh> build_coarse(const Surface& dense, float spacing);
 
-// The mesh that a dense one was made of by subdivisions (surface/output/undivided.h). One is taken back, and
-// more until the mean edge is at least least_edge, object units, > 0. Throws InvalidInput if there are not so
-// many. Cost: O(corners x log corners), plus that of limit_stencils().
-std::shared_ptr<const CoarseMesh> build_undivided(const Surface& dense, float least_edge);
+// The mesh as it was modelled (surface/output/as_modelled.h): triangles are joined to quads, and subdivisions
+// taken back until the mean edge is at least least_edge, object units, > 0. Throws InvalidInput if the mesh
+// was neither cut into triangles nor subdivided, not so often, or if more than a tenth of the area would be
+// in polygons narrower than least_edge. Cost: O(corners x log corners), plus that of limit_stencils().
+std::shared_ptr<const CoarseMesh> build_as_modelled(const Surface& dense, float least_edge);
 
 // Computes positions of the coarse vertices, such that the smooth surface of the coarse mesh passes through
 // the dense mesh. positions: of the dense mesh's vertices, object space. Throws InvalidInput if positions do

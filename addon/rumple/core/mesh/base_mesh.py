@@ -147,6 +147,11 @@ class BaseMesh:
         narrow = factor * areas < width * longest
         return float(areas[narrow].sum() / areas.sum()) if areas.sum() > 0.0 else 0.0
 
+    def is_of_triangles(self) -> bool:
+        """Whether most of its polygons are triangles."""
+        sizes = np.diff(self.polygon_start)
+        return bool(2 * np.count_nonzero(sizes == 3) > len(sizes))
+
     def polygon_areas(self) -> np.ndarray:
         """(p,) float64, object units^2."""
         polygon = np.searchsorted(self.polygon_start, self.triangle_corner[:, 0], side="right") - 1

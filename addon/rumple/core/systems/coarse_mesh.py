@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Whether a Wrinkle Mesh is solved on a coarse mesh in place of a dense one, and on which. Never imports bpy."""
+"""Whether a Wrinkle Mesh is solved on another mesh in place of the base, and on which. Never imports bpy."""
 from __future__ import annotations
 
 import math
@@ -31,8 +31,9 @@ def fitting_spacing(usual: float, wavelength: float) -> float:
 
 def coarse_mesh(base: BaseMesh, settings: MeshSettings, surface: Any, unit_scale: float,
                 outer: OuterSide | None = None) -> Any:
-    """The native coarse mesh that represents a base that is too dense for wide folds, or the outer side of a base with
-    an inner side. None if neither applies, or if the base is too small."""
+    """The native mesh that is solved in place of a base: as it was modelled, if it is too dense for wide folds or of
+    triangles, or else an even one, if it is too dense, or the outer side of a base with an inner side. None: the base
+    itself."""
     size = size_factor(base.diagonal(), unit_scale)
     by_wavelength, cloth = settings.density == "WAVELENGTH", base if outer is None else outer.mesh
     wide = by_wavelength and (settings.wavelength >= WIDE * size or is_flared(cloth, direction_of(settings.up)))
@@ -40,25 +41,15 @@ def coarse_mesh(base: BaseMesh, settings: MeshSettings, surface: Any, unit_scale
     limit = DENSE * spacing / unit_scale
     spacing = fitting_spacing(spacing, settings.wavelength) if by_wavelength else spacing
     dense = base.mean_edge() < limit or base.share_narrower_than(limit) > UNEVEN
-    if outer is None and not (dense and by_wavelength and settings.base_cloth != "OFF"):
-        return None
-    part = None if outer is None else outer.surface
-    cage = undivided(cloth, limit, surface, part) if dense and by_wavelength else None
-    if cage is not None:
-        return cage
+    part, may_change = None if outer is None else outer.surface, by_wavelength and settings.base_cloth != "OFF"
     try:
-        return kernels.build_coarse(surface, spacing / unit_scale, part)
+        if may_change and (dense or cloth.is_of_triangles()):
+            return kernels.as_modelled(surface, limit, part)
     except ValueError:
-        return None
-
-
-def undivided(cloth: BaseMesh, limit: float, surface: Any, part: Any) -> Any:
-    """The mesh that a dense one was subdivided from, if that would be solved on its own mesh: native, or None. limit:
-    the mean edge below which a mesh is too dense, object units."""
+        pass  # it was modelled so
     try:
-        cage = kernels.undivide(surface, limit, part)
+        if outer is not None or (may_change and dense):
+            return kernels.build_coarse(surface, spacing / unit_scale, part)
     except ValueError:
-        return None
-    # subdivision keeps the shape of faces, and divides their width as it does the edges
-    width = limit * cloth.mean_edge() / cage.mean_edge
-    return cage if cloth.share_narrower_than(width) <= UNEVEN else None
+        pass  # it is too small
+    return None

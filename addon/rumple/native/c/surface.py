@@ -217,7 +217,7 @@ SURFACE_FUNCTIONS: dict[str, tuple[Any, tuple[Any, ...]]] = {
     "rumple_surface_suggest_follow": (CHECKED, (SurfacePointer, c_void_p, c_void_p, c_size_t)),
     "rumple_coarse_build": (CHECKED, (SurfacePointer, c_float, POINTER(CoarsePointer))),
     "rumple_coarse_build_of": (CHECKED, (SurfacePointer, SurfacePointer, c_float, POINTER(CoarsePointer))),
-    "rumple_coarse_undivide": (CHECKED, (SurfacePointer, SurfacePointer, c_float, POINTER(CoarsePointer))),
+    "rumple_coarse_as_modelled": (CHECKED, (SurfacePointer, SurfacePointer, c_float, POINTER(CoarsePointer))),
     "rumple_coarse_free": (None, (CoarsePointer,)),
     "rumple_coarse_get_view": (CHECKED, (CoarsePointer, POINTER(CoarseView))),
     "rumple_coarse_surface": (CHECKED, (CoarsePointer, POINTER(SurfacePointer))),

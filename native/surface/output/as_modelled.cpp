@@ -1,12 +1,83 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "surface/output/undivided.h"
+#include "surface/output/as_modelled.h"
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <compare>
 
 namespace rumple {
 namespace {
+
+// ---- triangles that were quads
+
+// Two triangles make a quad if the cosines of its angles are at most kSkewed, and that of their normals is at
+// least kFlat.
+constexpr float kSkewed = 0.45f, kFlat = 0.7f;
+
+// Two triangles with a common edge. Pairs are taken by their badness.
+struct Pair {
+    float badness;
+    Index left, right;            // polygons
+    std::array<Index, 4> corner;  // of the quad, from the one on the left
+
+    auto operator<=>(const Pair&) const = default;
+};
+
+// The corner of a triangle that is not at this edge, as its number in the triangle.
+Index opposite(const PolygonMesh& mesh, Index triangle, const Edge& e) {
+    const Index* corner = &mesh.corner_vertex[mesh.polygon_start[triangle]];
+    for (Index k = 0; k < 3; ++k)
+        if (corner[k] != e.a && corner[k] != e.b) return k;
+    return 0;
+}
+
+std::optional<Pair> pair_at(const Surface& surface, const Edge& e) {
+    const PolygonMesh& mesh = surface.welded;
+    if (e.right == kNone || mesh.polygon_size(e.left) != 3 || mesh.polygon_size(e.right) != 3) return {};
+    const Index* left = &mesh.corner_vertex[mesh.polygon_start[e.left]];
+    const Index* right = &mesh.corner_vertex[mesh.polygon_start[e.right]];
+    const Index k = opposite(mesh, e.left, e);
+    Pair out{0.0f,
+             e.left,
+             e.right,
+             {left[k], left[(k + 1) % 3], right[opposite(mesh, e.right, e)], left[(k + 2) % 3]}};
+    std::array<Vec3, 4> at, side;
+    for (size_t c = 0; c < 4; ++c) at[c] = surface.positions_rest[out.corner[c]];
+    for (size_t c = 0; c < 4; ++c) side[c] = at[(c + 1) % 4] - at[c];
+    float skewed = 0.0f;
+    for (size_t c = 0; c < 4; ++c) {
+        const float lengths = glm::length(side[c]) * glm::length(side[(c + 1) % 4]);
+        skewed = std::max(skewed, std::abs(glm::dot(side[c], side[(c + 1) % 4])) / lengths);
+    }
+    const Vec3 one = glm::cross(side[3], side[0]), other = glm::cross(side[1], side[2]);
+    const float flat = glm::dot(one, other) / (glm::length(one) * glm::length(other));
+    out.badness = skewed + 1.0f - flat;
+    if (!(skewed <= kSkewed && flat >= kFlat)) return {};  // also without area
+    return out;
+}
+
+void append_polygon(std::span<const Index> corners, PolygonMesh& out) {
+    out.corner_vertex.insert(out.corner_vertex.end(), corners.begin(), corners.end());
+    out.polygon_start.push_back(out.corners());
+}
+
+// Its polygons over the vertices that they use.
+MeshBefore without_loose_vertices(PolygonMesh mesh, Index vertices) {
+    MeshBefore out;
+    std::vector<Index> number(size_t(vertices), kNone);
+    for (const Index v : mesh.corner_vertex) number[v] = 0;
+    for (Index v = 0; v < vertices; ++v) {
+        if (number[v] == kNone) continue;
+        number[v] = mesh.vertex_count++;
+        out.vertex.push_back(v);
+    }
+    for (Index& v : mesh.corner_vertex) v = number[v];
+    out.mesh = std::move(mesh);
+    return out;
+}
+
+// ---- subdivision
 
 // What a vertex of the subdivided mesh was made of.
 enum class Kind : unsigned char { kUnknown, kVertex, kEdge, kFace };
@@ -132,7 +203,7 @@ std::vector<Wedge> wedges_of(const PolygonMesh& mesh, const Kinds& kinds) {
 }
 
 // Appends the polygon of all wedges around a face. False if they are no single ring.
-bool append_polygon(std::span<const Wedge> wedges, std::span<const Index> number, PolygonMesh& out) {
+bool append_ring(std::span<const Wedge> wedges, std::span<const Index> number, PolygonMesh& out) {
     size_t k = 0;
     for (size_t count = 0; count < wedges.size(); ++count) {
         out.corner_vertex.push_back(number[wedges[k].vertex]);
@@ -147,12 +218,37 @@ bool append_polygon(std::span<const Wedge> wedges, std::span<const Index> number
 
 }  // namespace
 
-std::optional<Undivided> undivided(const PolygonMesh& mesh) {
+std::optional<MeshBefore> joined_triangles(const Surface& surface) {
+    const PolygonMesh& mesh = surface.welded;
+    std::vector<Pair> pairs;
+    for (const Edge& e : surface.edges)
+        if (const std::optional<Pair> pair = pair_at(surface, e)) pairs.push_back(*pair);
+    std::ranges::sort(pairs);
+    std::vector<const Pair*> pair_of(size_t(mesh.polygons()), nullptr);
+    for (const Pair& pair : pairs)
+        if (!pair_of[pair.left] && !pair_of[pair.right]) pair_of[pair.left] = pair_of[pair.right] = &pair;
+    PolygonMesh joined;
+    Index triangles = 0, left_over = 0;
+    for (Index p = 0; p < mesh.polygons(); ++p) {
+        const std::span<const Index> corners(&mesh.corner_vertex[mesh.polygon_start[p]],
+                                             size_t(mesh.polygon_size(p)));
+        triangles += corners.size() == 3;
+        left_over += corners.size() == 3 && !pair_of[p];
+        if (!pair_of[p])
+            append_polygon(corners, joined);
+        else if (pair_of[p]->left == p)
+            append_polygon(pair_of[p]->corner, joined);
+    }
+    if (2 * triangles < mesh.polygons() || left_over > (1.0 - kJoined) * triangles) return {};
+    return without_loose_vertices(std::move(joined), mesh.vertex_count);
+}
+
+std::optional<MeshBefore> undivided(const PolygonMesh& mesh) {
     for (Index p = 0; p < mesh.polygons(); ++p)
         if (mesh.polygon_size(p) != 4) return {};
     Kinds kinds(mesh);
     if (mesh.polygons() == 0 || !kinds.find()) return {};
-    Undivided out;
+    MeshBefore out;
     std::vector<Index> number(kinds.of.size(), kNone);
     for (Index v = 0; v < mesh.vertex_count; ++v) {
         if (kinds.of[v] != Kind::kVertex) continue;
@@ -162,7 +258,7 @@ std::optional<Undivided> undivided(const PolygonMesh& mesh) {
     const std::vector<Wedge> wedges = wedges_of(mesh, kinds);
     for (auto begin = wedges.begin(); begin != wedges.end();) {
         const auto end = std::ranges::upper_bound(begin, wedges.end(), begin->face, {}, &Wedge::face);
-        if (!append_polygon({begin, end}, number, out.mesh)) return {};
+        if (!append_ring({begin, end}, number, out.mesh)) return {};
         begin = end;
     }
     return out;

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Laws of taking a subdivision back.
+// Laws of finding a mesh as it was modelled.
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <map>
 #include <numeric>
 
+#include "surface/output/as_modelled.h"
 #include "surface/output/coarse.h"
-#include "surface/output/undivided.h"
 #include "tests/meshes.h"
 #include "tests/refusals.h"
 
@@ -60,7 +60,7 @@ std::vector<std::vector<Index>> polygons_of(const std::vector<Index>& start,
     return out;
 }
 
-std::optional<Undivided> undivided_of(const MeshData& mesh) {
+std::optional<MeshBefore> undivided_of(const MeshData& mesh) {
     return undivided(build(mesh, false).welded);
 }
 
@@ -156,24 +156,96 @@ TEST(Undivided, WhatWasNotSubdividedIsNot) {
         EXPECT_FALSE(undivided_of(mesh));
 }
 
-TEST(Undivided, ACoarseMeshIsMadeOfItWithAsManySubdivisionsTakenBackAsAreAskedFor) {
+// Every quad is cut, along a diagonal that is chosen by chance.
+MeshData cut_by_chance(const MeshData& mesh, unsigned seed) {
+    std::mt19937 random(seed);
+    MeshData out;
+    out.positions = mesh.positions;
+    for (size_t c = 0; c < mesh.corner_vertex.size(); c += 4) {
+        const Index* v = &mesh.corner_vertex[c];
+        const size_t k = random() % 2;
+        out.add_polygon({v[k], v[k + 1], v[k + 2]});
+        out.add_polygon({v[k], v[k + 2], v[(k + 3) % 4]});
+    }
+    return out;
+}
+
+// Of equilateral triangles.
+MeshData triangle_sheet(Index count) {
+    MeshData sheet = triangulated(grid(count, count, 0.1f));
+    for (Vec3& p : sheet.positions) p = Vec3(p.x - 0.5f * p.y, std::sqrt(0.75f) * p.y, 0.0f);
+    return sheet;
+}
+
+TEST(JoinedTriangles, QuadsThatWereCutAreFoundAgain) {
+    for (const MeshData& mesh :
+         {grid(5, 4, 0.1f), tube(16, 10, 0.1f, 0.4f), cube(), shaken(grid(9, 7, 0.1f), 0.012f, 5)}) {
+        for (const unsigned seed : {1u, 2u, 3u}) {
+            const auto found = joined_triangles(build(cut_by_chance(mesh, seed)));
+            ASSERT_TRUE(found);
+            EXPECT_EQ(polygons_of(found->mesh.polygon_start, found->mesh.corner_vertex),
+                      polygons_of(mesh.polygon_start, mesh.corner_vertex));
+        }
+    }
+}
+
+TEST(JoinedTriangles, ATriangleWithoutAPartnerStaysAndALooseVertexHasNoPart) {
+    MeshData mesh = triangulated(grid(5, 4, 0.1f));
+    mesh.corner_vertex.resize(mesh.corner_vertex.size() - 3);
+    mesh.triangle_corner.resize(mesh.triangle_corner.size() - 3);
+    mesh.polygon_start.pop_back();
+    mesh.positions.insert(mesh.positions.begin(), Vec3(0.0f));  // loose
+    for (Index& v : mesh.corner_vertex) ++v;
+    const auto found = joined_triangles(build(mesh));
+    ASSERT_TRUE(found);
+    EXPECT_EQ(found->mesh.polygons(), 20);
+    EXPECT_EQ(found->mesh.corners(), 19 * 4 + 3);
+    EXPECT_EQ(found->mesh.vertex_count, 30);
+    EXPECT_EQ(found->vertex.front(), 1);
+}
+
+TEST(JoinedTriangles, WhatWasModelledOfTrianglesOrQuadsIsLeftAlone) {
+    for (const MeshData& mesh : {triangle_sheet(8), pyramid(), grid(5, 4, 0.1f), closed_pyramid()})
+        EXPECT_FALSE(joined_triangles(build(mesh)));
+}
+
+TEST(AsModelled, ASubdividedMeshThatWasCutIsJoinedAndThenUndivided) {
+    const MeshData mesh = tube(12, 9, 0.08f, 0.4f);
+    const auto coarse = build_as_modelled(build(cut_by_chance(subdivided(mesh), 4)), 0.03f);
+    const PolygonMesh& found = coarse->surface.welded;
+    EXPECT_EQ(polygons_of(found.polygon_start, found.corner_vertex),
+              polygons_of(mesh.polygon_start, mesh.corner_vertex));
+}
+
+TEST(AsModelled, NarrowFacesAreRefused) {
+    const auto narrow = [](float width) {  // a sheet, subdivided, with a tenth or more of its area in a strip
+        MeshData mesh = grid(2, 10, 0.1f);
+        for (Vec3& p : mesh.positions) p.x = p.x < 0.15f ? (p.x > 0.05f ? 0.1f : 0.0f) : 0.1f + width;
+        return build(subdivided(mesh));
+    };
+    EXPECT_EQ(build_as_modelled(narrow(0.03f), 0.02f)->dense_vertex.size(), 33u);
+    EXPECT_EQ(build_as_modelled(narrow(0.01f), 0.02f)->dense_vertex.size(), 33u) << "they are a few";
+    expect_refused([&] { build_as_modelled(narrow(0.019f), 0.02f); }, {"even faces"});
+}
+
+TEST(AsModelled, AsManySubdivisionsAreTakenBackAsAreAskedFor) {
     const MeshData mesh = tube(12, 9, 0.08f, 0.4f), dense = subdivided(subdivided(mesh));
     const Surface surface = build(dense);
     for (const auto& [least, vertices] :
          {std::pair(0.001f, 24u * 19u), {0.015f, 24u * 19u}, {0.03f, 12u * 10u}}) {
-        const auto coarse = build_undivided(surface, least);
+        const auto coarse = build_as_modelled(surface, least);
         EXPECT_EQ(coarse->dense_vertex.size(), vertices);
         EXPECT_GE(coarse->mean_edge, least);
     }
-    expect_refused([&] { build_undivided(surface, 0.05f); }, {"subdivision"});
-    expect_refused([&] { build_undivided(surface, 0.0f); }, {"least_edge"});
-    expect_refused([&] { build_undivided(build(mesh), 0.001f); }, {"subdivision"});
+    expect_refused([&] { build_as_modelled(surface, 0.05f); }, {"modelled"});
+    expect_refused([&] { build_as_modelled(surface, 0.0f); }, {"least_edge"});
+    expect_refused([&] { build_as_modelled(build(mesh), 0.001f); }, {"modelled"});
 }
 
-TEST(Undivided, TheSmoothSurfaceOfTheCoarseMeshRunsThroughTheDenseOne) {
+TEST(AsModelled, TheSmoothSurfaceOfTheCoarseMeshRunsThroughTheDenseOne) {
     const MeshData dense = subdivided(tube(12, 9, 0.08f, 0.4f));
     const Surface surface = build(dense);
-    const auto coarse = build_undivided(surface, 0.03f);
+    const auto coarse = build_as_modelled(surface, 0.03f);
     const std::vector<Vec3> at = coarse_positions(*coarse, surface, dense.positions);
     EXPECT_EQ(at, coarse->surface.positions_rest) << "at rest it is the rest shape, to the bit";
     std::vector<Vec3> smooth(at.size());
