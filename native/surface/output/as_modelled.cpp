@@ -11,13 +11,13 @@ namespace {
 
 // ---- triangles that were quads
 
-// Two triangles make a quad if the cosines of its angles are at most kSkewed, and that of their normals is at
-// least kFlat.
-constexpr float kSkewed = 0.45f, kFlat = 0.7f;
+// Two triangles may make a quad if the cosines of its angles are at most kSkewed, and that of their normals
+// is at least kFlat. It is surely one if its cosines are at most kStraight.
+constexpr float kSkewed = 0.8f, kStraight = 0.45f, kFlat = 0.7f;
 
 // Two triangles with a common edge. Pairs are taken by their badness.
 struct Pair {
-    float badness;
+    float badness, skewed;
     Index left, right;            // polygons
     std::array<Index, 4> corner;  // of the quad, from the one on the left
 
@@ -39,21 +39,29 @@ std::optional<Pair> pair_at(const Surface& surface, const Edge& e) {
     const Index* right = &mesh.corner_vertex[mesh.polygon_start[e.right]];
     const Index k = opposite(mesh, e.left, e);
     Pair out{0.0f,
+             0.0f,
              e.left,
              e.right,
              {left[k], left[(k + 1) % 3], right[opposite(mesh, e.right, e)], left[(k + 2) % 3]}};
     std::array<Vec3, 4> at, side;
     for (size_t c = 0; c < 4; ++c) at[c] = surface.positions_rest[out.corner[c]];
     for (size_t c = 0; c < 4; ++c) side[c] = at[(c + 1) % 4] - at[c];
-    float skewed = 0.0f;
     for (size_t c = 0; c < 4; ++c) {
         const float lengths = glm::length(side[c]) * glm::length(side[(c + 1) % 4]);
-        skewed = std::max(skewed, std::abs(glm::dot(side[c], side[(c + 1) % 4])) / lengths);
+        out.skewed = std::max(out.skewed, std::abs(glm::dot(side[c], side[(c + 1) % 4])) / lengths);
     }
     const Vec3 one = glm::cross(side[3], side[0]), other = glm::cross(side[1], side[2]);
     const float flat = glm::dot(one, other) / (glm::length(one) * glm::length(other));
-    out.badness = skewed + 1.0f - flat;
-    if (!(skewed <= kSkewed && flat >= kFlat)) return {};  // also without area
+    out.badness = out.skewed + 1.0f - flat;
+    if (!(out.skewed <= kSkewed && flat >= kFlat)) return {};  // also without area
+    return out;
+}
+
+std::vector<Pair> sorted_pairs(const Surface& surface) {
+    std::vector<Pair> out;
+    for (const Edge& e : surface.edges)
+        if (const std::optional<Pair> pair = pair_at(surface, e)) out.push_back(*pair);
+    std::ranges::sort(out);
     return out;
 }
 
@@ -220,26 +228,26 @@ bool append_ring(std::span<const Wedge> wedges, std::span<const Index> number, P
 
 std::optional<MeshBefore> joined_triangles(const Surface& surface) {
     const PolygonMesh& mesh = surface.welded;
-    std::vector<Pair> pairs;
-    for (const Edge& e : surface.edges)
-        if (const std::optional<Pair> pair = pair_at(surface, e)) pairs.push_back(*pair);
-    std::ranges::sort(pairs);
+    const std::vector<Pair> pairs = sorted_pairs(surface);
     std::vector<const Pair*> pair_of(size_t(mesh.polygons()), nullptr);
-    for (const Pair& pair : pairs)
-        if (!pair_of[pair.left] && !pair_of[pair.right]) pair_of[pair.left] = pair_of[pair.right] = &pair;
+    Index straight = 0;
+    for (const Pair& pair : pairs) {
+        if (pair_of[pair.left] || pair_of[pair.right]) continue;
+        pair_of[pair.left] = pair_of[pair.right] = &pair;
+        straight += 2 * (pair.skewed <= kStraight);
+    }
     PolygonMesh joined;
-    Index triangles = 0, left_over = 0;
+    Index triangles = 0;
     for (Index p = 0; p < mesh.polygons(); ++p) {
         const std::span<const Index> corners(&mesh.corner_vertex[mesh.polygon_start[p]],
                                              size_t(mesh.polygon_size(p)));
         triangles += corners.size() == 3;
-        left_over += corners.size() == 3 && !pair_of[p];
         if (!pair_of[p])
             append_polygon(corners, joined);
         else if (pair_of[p]->left == p)
             append_polygon(pair_of[p]->corner, joined);
     }
-    if (2 * triangles < mesh.polygons() || left_over > (1.0 - kJoined) * triangles) return {};
+    if (2 * triangles < mesh.polygons() || straight < kJoined * triangles) return {};
     return without_loose_vertices(std::move(joined), mesh.vertex_count);
 }
 
