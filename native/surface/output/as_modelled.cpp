@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <compare>
+#include <tuple>
 
 namespace rumple {
 namespace {
@@ -20,8 +21,6 @@ struct Pair {
     float badness, skewed;
     Index left, right;            // polygons
     std::array<Index, 4> corner;  // of the quad, from the one on the left
-
-    auto operator<=>(const Pair&) const = default;
 };
 
 // The corner of a triangle that is not at this edge, as its number in the triangle.
@@ -61,7 +60,8 @@ std::vector<Pair> sorted_pairs(const Surface& surface) {
     std::vector<Pair> out;
     for (const Edge& e : surface.edges)
         if (const std::optional<Pair> pair = pair_at(surface, e)) out.push_back(*pair);
-    std::ranges::sort(out);
+    std::ranges::sort(out, {},
+                      [](const Pair& pair) { return std::tuple(pair.badness, pair.left, pair.right); });
     return out;
 }
 
