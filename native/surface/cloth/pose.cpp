@@ -23,17 +23,6 @@ constexpr float kHemReach = 1.4f;
 // The same for cloth that skinning folds in above a free hem.
 constexpr float kFoldReach = 2.1f;
 
-TriangleFrame tangent_frame(const Vec3& normal, const Vec3& towards) {
-    TriangleFrame frame;
-    frame.normal = normal;
-    const Vec3 tangent = towards - glm::dot(towards, normal) * normal;
-    const float length = glm::length(tangent);
-    if (length < kShortestEdge) return {};
-    frame.tangent = tangent / length;
-    frame.bitangent = glm::cross(normal, frame.tangent);
-    return frame;
-}
-
 float painted(const std::vector<float>& values, Index display_vertex, float unpainted) {
     return values.empty() ? unpainted : values[display_vertex];
 }
@@ -108,9 +97,9 @@ void place_animated(const Model& model, const Settings& settings, const Paint& p
     pose.normal = vertex_normals(model.surface, pose.animated);
     for (size_t v = 0; v < pose.animated.size(); ++v) {
         const Index to = model.frame_to[v];
-        pose.frame.push_back(to == kNone
-                                 ? TriangleFrame{}
-                                 : tangent_frame(pose.normal[v], pose.animated[to] - pose.animated[v]));
+        pose.frame.push_back(
+            to == kNone ? TriangleFrame{}
+                        : frame_towards(pose.normal[v], pose.animated[to] - pose.animated[v], kShortestEdge));
     }
 }
 

@@ -22,8 +22,8 @@ inline Vec3 direction_of_normals(const Vec3& sum) {
     return length > kShortestNormal ? sum / length : Vec3(0.0f);
 }
 
-// An orthonormal frame of a triangle: tangent along its first edge, normal to
-// its plane. A collapsed triangle has zero vectors (never NaN).
+// An orthonormal frame of the surface: two axes in its plane, and its normal. Zero vectors (never NaN) where
+// there is none.
 struct TriangleFrame {
     Vec3 tangent{0.0f};
     Vec3 bitangent{0.0f};
@@ -36,6 +36,18 @@ struct TriangleFrame {
         return {glm::dot(object, tangent), glm::dot(object, bitangent), glm::dot(object, normal)};
     }
 };
+
+// The frame with this unit normal whose tangent points towards a direction, projected by Gram-Schmidt. Zero
+// vectors if what is left of the direction is not longer than `least`.
+inline TriangleFrame frame_towards(const Vec3& normal, const Vec3& direction, float least) {
+    const Vec3 projected = direction - glm::dot(direction, normal) * normal;
+    const float length = glm::length(projected);
+    if (!(length > least)) return {};
+    const Vec3 tangent = projected / length;
+    return {tangent, glm::cross(normal, tangent), normal};
+}
+
+// The tangent is along the first edge. Zero for a collapsed triangle.
 TriangleFrame triangle_frame(const Vec3& p0, const Vec3& p1, const Vec3& p2);
 
 // The frame of every triangle of the deformed base. Cost: O(triangles).

@@ -27,15 +27,9 @@ constexpr float kUpright = 0.1f;
 
 // The frame of a vertex: its normal, and a tangent towards a neighbour. Zero where these are parallel.
 TriangleFrame frame_at(std::span<const Vec3> positions, std::span<const Vec3> normals, Index v, Index along) {
-    TriangleFrame frame;
-    if (along == kNone) return frame;
+    if (along == kNone) return {};
     const Vec3 side = positions[along] - positions[v];
-    const Vec3 tangent = side - glm::dot(side, normals[v]) * normals[v];
-    const float length = glm::length(tangent);
-    if (!(length > kUpright * glm::length(side))) return frame;
-    frame.normal = normals[v], frame.tangent = tangent / length;
-    frame.bitangent = glm::cross(frame.normal, frame.tangent);
-    return frame;
+    return frame_towards(normals[v], side, kUpright * glm::length(side));
 }
 
 // For the vertices with a share below 1: what is left of it, shared out among their neighbours.

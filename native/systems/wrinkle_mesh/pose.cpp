@@ -160,14 +160,9 @@ std::vector<float> target_lengths(const Settings& settings, const Paint& paint, 
 TriangleFrame smooth_frame(const TriangleFrame& triangle, const Vec3& interpolated_normal) {
     const float normal_length = glm::length(interpolated_normal);
     if (normal_length < kShortestNormal) return triangle;
-    TriangleFrame frame;
-    frame.normal = interpolated_normal / normal_length;
-    const Vec3 tangent = triangle.tangent - glm::dot(triangle.tangent, frame.normal) * frame.normal;
-    const float tangent_length = glm::length(tangent);
-    if (tangent_length < kShortestNormal) return triangle;
-    frame.tangent = tangent / tangent_length;
-    frame.bitangent = glm::cross(frame.normal, frame.tangent);
-    return frame;
+    const TriangleFrame smooth =
+        frame_towards(interpolated_normal / normal_length, triangle.tangent, kShortestNormal);
+    return smooth.normal == Vec3(0.0f) ? triangle : smooth;
 }
 
 void check(const Model& model, const Paint& paint) {
