@@ -204,7 +204,8 @@ class Bake(unittest.TestCase):
             running = mock.Mock(done=0, count=3)
             running.plan.name = "Face"
             operator = mock.Mock(_steps=steps(), _running=running)
-            operator._end_modal = functools.partial(cls._end_modal, operator)
+            operator._stop = functools.partial(cls._stop, operator)
+            operator.end_modal = functools.partial(cls.end_modal, operator)
             self.assertEqual(cls.modal(operator, context, event), {"PASS_THROUGH"})
             self.assertFalse(running.close.called)
             with mock.patch.object(bpy.types.WorkSpace, "status_text_set") as status:

@@ -15,6 +15,8 @@ from .translation import said
 LETTER_PIXELS = 8.0  # average width of a letter of a label, including icon and margin
 LABEL_SHARE = 0.4  # share of a column's width, as in Blender
 NARROW = 22  # letters per line: in narrower regions, names beside values would be cut off
+LINKED_OBJECT = "This object is linked from another file: make a library override or append it"
+LINKED_MESH = "This mesh is linked from another file: append it, or make it local"
 WRINKLED = "This object has wrinkles already: press Remove in their panel first"
 # Chinese and Japanese letters are twice as wide. A line may break after each of them, but not before a full stop.
 _WORDS = re.compile("(?:[\u3040-\u9fff\uff00-\uffef][\u3001\u3002\uff01-\uff0f\uff1a-\uff1f\u300d\u30fc]*)|"
@@ -27,7 +29,7 @@ def refusal(obj: bpy.types.Object | None, wrinkled: bool) -> str:
     if obj is None or obj.type != "MESH":
         return "Choose a mesh object first"
     if not compat.is_editable(obj):
-        return "This object is linked from another file: make a library override or append it"
+        return LINKED_OBJECT
     if not wrinkled and obj.override_library is not None and obj.override_library.is_system_override:
         return "This library override is not editable: make it so first (Outliner, Library Override)"
     if obj.mode == "EDIT":
@@ -56,15 +58,50 @@ class OnWrinkled:
         why = refusal(context.object, wrinkled=True)
         if not why and cls.method is not None and context.object.rumple.method != cls.method:
             why = cls.other_method
-        if why:
-            cls.poll_message_set(said(why))
-        return not why
+        return may_run(cls, why)
+
+
+def may_run(operator: type, why: str) -> bool:
+    """The answer of a poll(): whether there is no reason against it. A reason is shown in the button's tooltip."""
+    if why:
+        operator.poll_message_set(said(why))
+    return not why
+
+
+def refuse(operator: bpy.types.Operator, why: str | Exception) -> set[str]:
+    """The result of an operator that could not do its work. The reason is reported."""
+    operator.report({"ERROR"}, said(str(why)))
+    return {"CANCELLED"}
 
 
 def warn(operator: bpy.types.Operator, text: str) -> None:
     """Report a warning, unless it is empty."""
     if text:
         operator.report({"WARNING"}, said(text))
+
+
+class ModalWork:
+    """Operators that work between redraws. They show how far they are at the mouse and in the status bar."""
+
+    _timer: bpy.types.Timer
+
+    def begin_modal(self, context: bpy.types.Context, most: int, seconds: float) -> set[str]:
+        """most: the number at which all is done. seconds: between two events of type TIMER."""
+        manager = context.window_manager
+        manager.progress_begin(0, most)
+        self._timer = manager.event_timer_add(seconds, window=context.window)
+        manager.modal_handler_add(self)
+        return {"RUNNING_MODAL"}
+
+    def show_status(self, context: bpy.types.Context, text: str) -> None:
+        if context.workspace is not None:
+            context.workspace.status_text_set(text)
+
+    def end_modal(self, context: bpy.types.Context) -> None:
+        context.window_manager.event_timer_remove(self._timer)
+        context.window_manager.progress_end()
+        for workspace in bpy.data.workspaces:  # the artist may have changed to another one
+            workspace.status_text_set(None)
 
 
 # ---------------------------------------------------------------- panels

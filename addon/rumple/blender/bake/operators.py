@@ -19,7 +19,7 @@ WAIT_SECONDS = 2.0  # between two attempts to move a clip to its place
 STEP_SECONDS = 0.05  # solve for this long between two redraws, so that the window responds
 
 
-class OBJECT_OT_rumple_bake(ui_base.OnWrinkled, bpy.types.Operator):
+class OBJECT_OT_rumple_bake(ui_base.OnWrinkled, ui_base.ModalWork, bpy.types.Operator):
     """Play the clip through and store it in a file beside the blend file. Renders then need neither solve nor add-on"""
 
     bl_idname = "object.rumple_bake"
@@ -75,8 +75,7 @@ class OBJECT_OT_rumple_bake(ui_base.OnWrinkled, bpy.types.Operator):
         if self._again_at == 0.0:
             self.report({"WARNING"}, text)
         self._again_at = time.perf_counter() + WAIT_SECONDS
-        if context.workspace is not None:
-            context.workspace.status_text_set(text)
+        self.show_status(context, text)
 
     def _end(self) -> set[str]:
         if self.every and self._baked:
@@ -93,22 +92,18 @@ class OBJECT_OT_rumple_bake(ui_base.OnWrinkled, bpy.types.Operator):
         self._next(context)
         if self._running is None:
             return {"CANCELLED"}
-        manager = context.window_manager
-        manager.progress_begin(0, PARTS)
-        self._timer = manager.event_timer_add(0.01, window=context.window)
-        manager.modal_handler_add(self)
-        return {"RUNNING_MODAL"}
+        return self.begin_modal(context, PARTS, 0.01)
 
     def modal(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         if event.type == "ESC":
-            self._end_modal(context)
+            self.end_modal(context)
             self._give_up(self._running, BakeError(f"Bake cancelled: {self._running.name} is as it was before"), "INFO")
             return self._end()
         if event.type != "TIMER" or time.perf_counter() < self._again_at:
             return {"RUNNING_MODAL"}
         self._step_until(context, time.perf_counter() + STEP_SECONDS)
         if self._running is None:
-            self._end_modal(context)
+            self.end_modal(context)
             return self._end()
         if self._again_at == 0.0:
             self._show_progress(context)
@@ -116,24 +111,17 @@ class OBJECT_OT_rumple_bake(ui_base.OnWrinkled, bpy.types.Operator):
 
     def cancel(self, context: bpy.types.Context) -> None:
         """Called if another file is opened or the window is closed."""
-        self._end_modal(context)
+        self.end_modal(context)
         if self._running is not None:
             self._running.cancel()
 
     def _show_progress(self, context: bpy.types.Context) -> None:
         done, count = self._running.done, self._running.playback.count
         context.window_manager.progress_update(done * PARTS // max(count, 1))
-        if context.workspace is not None:
-            left = duration.left(time.perf_counter() - self._began, done, count)
-            text = said(f"Baking wrinkles: {done} of {count} samples, about {left} left. Esc cancels" if left else
-                        f"Baking wrinkles: {done} of {count} samples. Esc cancels")
-            context.workspace.status_text_set(f"{self._running.name}: {text}" if self.every else text)
-
-    def _end_modal(self, context: bpy.types.Context) -> None:
-        context.window_manager.event_timer_remove(self._timer)
-        context.window_manager.progress_end()
-        if context.workspace is not None:
-            context.workspace.status_text_set(None)
+        left = duration.left(time.perf_counter() - self._began, done, count)
+        text = said(f"Baking wrinkles: {done} of {count} samples, about {left} left. Esc cancels" if left else
+                    f"Baking wrinkles: {done} of {count} samples. Esc cancels")
+        self.show_status(context, f"{self._running.name}: {text}" if self.every else text)
 
     def _begin(self, context: bpy.types.Context, obj: bpy.types.Object) -> clip.ClipBake | None:
         try:
@@ -169,10 +157,7 @@ class OBJECT_OT_rumple_bake_free(ui_base.OnWrinkled, bpy.types.Operator):
     def poll(cls, context: bpy.types.Context) -> bool:
         if not super().poll(context):
             return False
-        baked = modifier.is_baked(modifier.find(context.object))
-        if not baked:
-            cls.poll_message_set(said("Nothing is baked"))
-        return baked
+        return ui_base.may_run(cls, "" if modifier.is_baked(modifier.find(context.object)) else "Nothing is baked")
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         note = clip.free(context.object, self.delete_file)
@@ -200,8 +185,7 @@ class OBJECT_OT_rumple_bake_shape_keys(ui_base.OnWrinkled, bpy.types.Operator):
             playback = Playback(context, obj, start, end, 1)
             shapes = [result.positions.copy() for wanted, result, _ in playback.samples_in_order() if wanted]
         except BakeError as error:
-            self.report({"ERROR"}, said(str(error)))
-            return {"CANCELLED"}
+            return ui_base.refuse(self, error)
         finally:
             if playback is not None:
                 playback.end_playback(restore_bake=True)

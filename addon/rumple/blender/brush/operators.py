@@ -76,7 +76,7 @@ def refusal(obj: bpy.types.Object | None) -> str:
     if obj is None or obj.type != "MESH":
         return "Choose a mesh object first"
     if not (compat.is_editable(obj) and compat.is_editable(obj.data)):
-        return "This mesh is linked from another file: append it, or make it local"
+        return ui_base.LINKED_MESH
     if obj.mode != "OBJECT":
         return "Go to Object Mode first"
     nodes_mod = modifier.find(obj)
@@ -93,9 +93,7 @@ class _OnField:
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
         why = refusal(context.object)
-        if why:
-            cls.poll_message_set(said(why))
-        return not why
+        return ui_base.may_run(cls, why)
 
     @staticmethod
     def rebuild_what_is_due() -> None:
@@ -176,8 +174,7 @@ class OBJECT_OT_rumple_brush_stroke(_OnField, bpy.types.Operator):
             self.report({"ERROR"}, said(str(error)))
             return self._take_back()
         except Exception as error:  # a message, never a traceback; the mesh may be gone
-            self.report({"ERROR"}, said(messages.unexpected(context.object, error)))
-            return {"CANCELLED"}
+            return ui_base.refuse(self, messages.unexpected(context.object, error))
 
 
 class OBJECT_OT_rumple_scatter(_OnField, bpy.types.Operator):
@@ -205,8 +202,7 @@ class OBJECT_OT_rumple_scatter(_OnField, bpy.types.Operator):
             metres = self.size * unit
             scattered = brush_canvas.canvas_of(obj).easel.scatter(self.seed, self.density, metres, self.length)
         except UserError as error:
-            self.report({"ERROR"}, said(str(error)))
-            return {"CANCELLED"}
+            return ui_base.refuse(self, error)
         brush_canvas.write(obj.data, scattered)
         self.report({"INFO"}, said(f"{int(np.any(scattered != 0.0, axis=1).sum())} points wrinkle at rest"))
         ui_base.warn(self, shared_mesh.note(obj))

@@ -20,8 +20,7 @@ class _OfClip(ui_base.OnWrinkled):
     """Mixin for operators: calls export() with the folder `publish` beside the blend file."""
 
     bl_options = {"REGISTER"}
-    poll_message_set: Any  # the Operator's
-    report: Any
+    report: Any  # the Operator's
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
@@ -29,9 +28,7 @@ class _OfClip(ui_base.OnWrinkled):
             return False
         why = ("Bake first: the baked clip is exported" if not modifier.is_baked(modifier.find(context.object)) else
                "" if bpy.data.filepath else "Save the file first: the export is stored beside it")
-        if why:
-            cls.poll_message_set(said(why))
-        return not why
+        return ui_base.may_run(cls, why)
 
     def export(self, context: bpy.types.Context, manifest: Manifest, folder: Path) -> shown.Exported:
         raise NotImplementedError
@@ -42,8 +39,7 @@ class _OfClip(ui_base.OnWrinkled):
         try:
             done = self.export(context, shown.clip_shown(obj), Path(bpy.data.filepath).parent / "publish")
         except (BakeError, ClipFault) as error:
-            self.report({"ERROR"}, said(str(error)))
-            return {"CANCELLED"}
+            return ui_base.refuse(self, error)
         finally:
             scene.frame_set(now[0], subframe=now[1])
         self.report({"INFO"}, said(f"{obj.name}: {done.frames} frames of {done.vertices} points, "

@@ -17,7 +17,7 @@ import numpy as np
 from mathutils import Matrix
 
 from ...core.base.wording import UserError
-from .. import compat, scheduler
+from .. import compat, scheduler, ui_base
 from ..nodes import maps_shader
 from ..objects import messages, properties, runtimes, units
 from ..translation import said
@@ -238,7 +238,7 @@ def _flatten_strays(image: bpy.types.Image) -> None:
         image.update()
 
 
-class RUMPLE_OT_maps_bake(maps_operators.OnPose, bpy.types.Operator):
+class RUMPLE_OT_maps_bake(maps_operators.OnPose, ui_base.ModalWork, bpy.types.Operator):
     """Make the wrinkle map of the active reference pose from the object's own wrinkles"""
 
     bl_idname = "rumple.maps_bake"
@@ -254,8 +254,7 @@ class RUMPLE_OT_maps_bake(maps_operators.OnPose, bpy.types.Operator):
             for _ in bake.steps():
                 pass
         except UserError as error:
-            self.report({"ERROR"}, said(str(error)))
-            return {"CANCELLED"}
+            return ui_base.refuse(self, error)
         finally:
             if bake is not None:
                 bake.close()
@@ -271,19 +270,14 @@ class RUMPLE_OT_maps_bake(maps_operators.OnPose, bpy.types.Operator):
         try:
             self._running = bake_apart.ApartBake(self._begin(context))
         except UserError as error:
-            self.report({"ERROR"}, said(str(error)))
-            return {"CANCELLED"}
+            return ui_base.refuse(self, error)
         _runs_in, self._steps = scheduler.file_number(), self._running.steps()
-        manager = context.window_manager
-        manager.progress_begin(0, self._running.count)
-        self._timer = manager.event_timer_add(0.05, window=context.window)
-        manager.modal_handler_add(self)
-        return {"RUNNING_MODAL"}
+        return self.begin_modal(context, self._running.count, 0.05)
 
     def modal(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         plan = self._running.plan
         if (event.type, event.value) == ("ESC", "PRESS"):  # the release may be of an Esc that ended something else
-            self._end_modal(context)
+            self._stop(context)
             self.report({"INFO"}, said(f"Bake cancelled; finished maps: {', '.join(plan.names) or 'none'}"))
             return {"CANCELLED"}
         if event.type != "TIMER" or scheduler.job_runs():
@@ -291,37 +285,31 @@ class RUMPLE_OT_maps_bake(maps_operators.OnPose, bpy.types.Operator):
         try:
             text = said(next(self._steps))
         except StopIteration:
-            self._end_modal(context)
+            self._stop(context)
             return self._finished(plan)
         except Exception as error:  # any exception: otherwise Blender would continue to call this operator
-            self._end_modal(context)
+            self._stop(context)
             text = str(error) if isinstance(error, UserError) else messages.unexpected(plan.name, error)
-            self.report({"ERROR"}, said(text))
-            return {"CANCELLED"}
+            return ui_base.refuse(self, text)
         context.window_manager.progress_update(self._running.done)
-        if context.workspace is not None:
-            context.workspace.status_text_set(
-                said(f"{text} ({self._running.done} of {self._running.count}). Esc cancels"))
+        self.show_status(context, said(f"{text} ({self._running.done} of {self._running.count}). Esc cancels"))
         return {"PASS_THROUGH"}
 
     def cancel(self, context: bpy.types.Context) -> None:
         """Called if another file is opened or the window is closed."""
-        self._end_modal(context)
+        self._stop(context)
 
     def _begin(self, context: bpy.types.Context) -> MapBake:
         obj = maps_operators.target(context)
         settings = obj.rumple_maps
         return MapBake(context, obj, list(range(len(settings.poses))) if self.every else [settings.active])
 
-    def _end_modal(self, context: bpy.types.Context) -> None:
+    def _stop(self, context: bpy.types.Context) -> None:
         global _runs_in
         _runs_in = -1
         self._steps.close()
         self._running.close()
-        context.window_manager.event_timer_remove(self._timer)
-        context.window_manager.progress_end()
-        for workspace in bpy.data.workspaces:  # the artist may have changed to another one
-            workspace.status_text_set(None)
+        self.end_modal(context)
 
     def _finished(self, bake: MapBake) -> set[str]:
         if bake.names:

@@ -16,6 +16,7 @@ from ...core.base.wording import UserError
 from ...core.files import clip_folder
 from ...core.systems.poses import PoseComparison, PoseRig, SkinWeights
 from ...core.systems.poses_json import from_json
+from .. import ui_base
 from ..nodes import maps_mask_tree, maps_shader
 from ..objects import saved_images
 from ..objects.clip_place import stored_path
@@ -157,8 +158,7 @@ class RUMPLE_OT_maps_weights(maps_operators.OnPose, bpy.types.Operator):
         try:
             clip = sampled(context, obj, maps_rig.rig_of(obj)[0], scene.frame_start, scene.frame_end)
         except UserError as error:
-            self.report({"ERROR"}, said(str(error)))
-            return {"CANCELLED"}
+            return ui_base.refuse(self, error)
         copy = weighted_copy(obj, clip)
         self.report({"INFO"}, said(f"{copy.name}: {len(clip['poses'])} weights, {len(clip['presence'])} frames"))
         return {"FINISHED"}
@@ -195,8 +195,7 @@ class RUMPLE_OT_maps_export(maps_operators.OnPose, bpy.types.Operator):
                 written.append(path.with_suffix(".frames.json"))
                 written[-1].write_text(json.dumps(clip) + "\n", encoding="utf-8")
         except (UserError, OSError) as error:
-            self.report({"ERROR"}, said(str(error)))
-            return {"CANCELLED"}
+            return ui_base.refuse(self, error)
         self.report({"INFO"}, said(f"Wrote {', '.join(file.name for file in written)}"))
         return {"FINISHED"}
 

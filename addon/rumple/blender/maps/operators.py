@@ -14,7 +14,7 @@ import bpy
 
 from ... import native
 from ...core.base.wording import UserError
-from .. import compat, scheduler
+from .. import compat, scheduler, ui_base
 from ..frame import rebuild as frame_rebuild
 from ..translation import said
 from . import (bake_source, changes as maps_changes, keys as maps_keys, materials, modifier as maps_modifier,
@@ -43,25 +43,21 @@ class OnMaps:
         if obj is None:
             why = "Add Wrinkle Maps to a mesh with an armature or shape keys first"
         elif not compat.is_editable(obj):
-            why = "This object is linked from another file: make a library override or append it"
-        if why:
-            cls.poll_message_set(said(why))
-        return not why
+            why = ui_base.LINKED_OBJECT
+        return ui_base.may_run(cls, why)
 
     def guarded(self, work: Callable[[], None]) -> set[str]:
         """Run the work, and report errors."""
         try:
             work()
         except (UserError, native.NativeMissing) as error:
-            self.report({"ERROR"}, said(str(error)))
-            return {"CANCELLED"}
+            return ui_base.refuse(self, error)
         except TypeError:
             obj = target(bpy.context)
             if obj.override_library is None:
                 raise
-            self.report({"ERROR"}, said(f"{obj.name}: it is a library override, in which Blender lets lists grow only: "
-                                        "mute a pose instead, or change it in the linked file"))
-            return {"CANCELLED"}
+            return ui_base.refuse(self, f"{obj.name}: it is a library override, in which Blender lets lists grow only: "
+                                  "mute a pose instead, or change it in the linked file")
         return {"FINISHED"}
 
 
@@ -73,10 +69,8 @@ class OnPose(OnMaps):
         if not super().poll(context):
             return False
         settings = target(context).rumple_maps
-        if 0 <= settings.active < len(settings.poses):
-            return True
-        cls.poll_message_set(said("Add a reference pose first"))
-        return False
+        chosen = 0 <= settings.active < len(settings.poses)
+        return ui_base.may_run(cls, "" if chosen else "Add a reference pose first")
 
 
 def add_maps(obj: bpy.types.Object) -> None:
@@ -118,21 +112,18 @@ class RUMPLE_OT_maps_add(bpy.types.Operator):
         if obj is None or obj.type != "MESH":
             why = "Choose a mesh object first"
         elif not compat.is_editable(obj):
-            why = "This object is linked from another file: make a library override or append it"
+            why = ui_base.LINKED_OBJECT
         elif maps_modifier.find(obj) is not None:
             why = "This object has Wrinkle Maps already"
         elif obj.find_armature() is None and not maps_keys.blocks(obj):
             why = "No armature deforms this mesh and it has no shape keys: Wrinkle Maps follow bones or shape keys"
-        if why:
-            cls.poll_message_set(said(why))
-        return not why
+        return ui_base.may_run(cls, why)
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         try:
             add_maps(context.object)
         except (UserError, native.NativeMissing) as error:
-            self.report({"ERROR"}, said(str(error)))
-            return {"CANCELLED"}
+            return ui_base.refuse(self, error)
         self.report({"INFO"}, said("Next: pose the bones, or set the shape keys, and press Add Reference Pose"))
         context.scene.render.use_lock_interface = True  # because handlers write data while the window draws
         return {"FINISHED"}

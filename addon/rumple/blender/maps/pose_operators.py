@@ -12,6 +12,7 @@ import bpy
 
 from ...core.base.wording import UserError
 from ...core.systems.poses import MOST_POSES, PoseComparison
+from .. import ui_base
 from ..translation import said
 from . import changes as maps_changes, keys as maps_keys, posed_rig, rig as maps_rig, stored_poses
 from .operators import OnMaps, OnPose, target
@@ -185,8 +186,7 @@ class RUMPLE_OT_pose_go(OnMaps, bpy.types.Operator):
         obj = target(context)
         settings = obj.rumple_maps
         if not self.neutral and not 0 <= settings.active < len(settings.poses):
-            self.report({"ERROR"}, said(f"{obj.name}: there is no reference pose to go to"))
-            return {"CANCELLED"}
+            return ui_base.refuse(self, f"{obj.name}: there is no reference pose to go to")
         if self.neutral and not stored_poses.is_captured(settings):
             stored_poses.go_to_rest(obj)
             context.view_layer.update()

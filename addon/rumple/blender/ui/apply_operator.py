@@ -10,7 +10,6 @@ import bpy
 from .. import scheduler, ui_base
 from ..nodes import wrinkle_tree
 from ..objects import modifier, runtimes, viewport_mesh
-from ..translation import said
 from .operators import NOT_SHOWN, remove
 
 
@@ -26,8 +25,7 @@ class OBJECT_OT_rumple_apply(ui_base.OnWrinkled, bpy.types.Operator):
         with _as_geometry(context, obj) as refused:
             mesh = None if refused else _wrinkled_mesh(context, obj)
             if mesh is None:
-                self.report({"ERROR"}, said(refused or runtimes.message(obj) or NOT_SHOWN))
-                return {"CANCELLED"}
+                return ui_base.refuse(self, refused or runtimes.message(obj) or NOT_SHOWN)
             _put_in_place(obj, mesh)
         return {"FINISHED"}
 

@@ -23,8 +23,7 @@ class OBJECT_OT_rumple_copy_settings(ui_base.OnWrinkled, bpy.types.Operator):
                    and compat.is_editable(obj) and modifier.find(obj) is not None
                    and obj.rumple.method == source.rumple.method]
         if not targets:
-            self.report({"ERROR"}, said(f"Select other objects with a {said(properties.system_of(source).label)} too"))
-            return {"CANCELLED"}
+            return ui_base.refuse(self, f"Select other objects with a {said(properties.system_of(source).label)} too")
         group = properties.group_of(source)
         names = [name for name in properties.fields_of(source) if name not in OWN]
         for obj in targets:

@@ -9,6 +9,7 @@ import bpy
 import numpy as np
 from mathutils import Vector
 
+from .. import ui_base
 from ..translation import said
 
 FOLDER = Path(os.path.abspath(__file__)).parents[2] / "examples"
@@ -32,8 +33,7 @@ class WM_OT_rumple_open_example(bpy.types.Operator):
         path = files().get(self.name or next(iter(files()), ""))  # a search gives no name
         if path is None:
             known = ", ".join(files()) or "none here"
-            self.report({"ERROR"}, said(f"There is no example named \"{self.name}\": {known}"))
-            return {"CANCELLED"}
+            return ui_base.refuse(self, f"There is no example named \"{self.name}\": {known}")
         result = bpy.ops.wm.read_homefile(filepath=str(path), load_ui=False)
         look_at_it()
         self.report({"INFO"}, said("Press Space to play it"))

@@ -32,9 +32,7 @@ class OBJECT_OT_rumple_preset(ui_base.OnWrinkled, bpy.types.Operator):
         if not super().poll(context):
             return False
         system = properties.system_of(context.object)
-        if not system.presets:
-            cls.poll_message_set(said(f"The {said(system.label)} has no presets"))
-        return bool(system.presets)
+        return ui_base.may_run(cls, "" if system.presets else f"The {said(system.label)} has no presets")
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         use(context.object, context.scene, self.preset)

@@ -8,15 +8,15 @@ from mathutils import Vector
 from mathutils.bvhtree import BVHTree
 
 from ...core.base.wording import UserError
+from .. import ui_base
 from ..objects import guide_curves, incoming_mesh, mesh_reader, properties, rig_scale, units
 from ..translation import said
-from ..ui_base import OnWrinkled
 
 POINTS = 7  # number of points of a new guide
 LENGTH = 8.0  # in spacings
 
 
-class OBJECT_OT_rumple_guide_add(OnWrinkled, bpy.types.Operator):
+class OBJECT_OT_rumple_guide_add(ui_base.OnWrinkled, bpy.types.Operator):
     """Let folds run along the other selected curves; with none selected, along a new one near the 3D cursor"""
 
     bl_idname = "object.rumple_guide_add"
@@ -27,8 +27,7 @@ class OBJECT_OT_rumple_guide_add(OnWrinkled, bpy.types.Operator):
         try:
             curves = [obj for obj in context.selected_objects if obj.type == "CURVE"] or [_new_curve(context, garment)]
         except UserError as error:
-            self.report({"ERROR"}, said(str(error)))
-            return {"CANCELLED"}
+            return ui_base.refuse(self, error)
         metres = units.scene_of(garment).unit_settings.scale_length
         for curve in curves:
             if curve.parent != garment:
@@ -70,7 +69,7 @@ def _new_curve(context: bpy.types.Context, garment: bpy.types.Object) -> bpy.typ
     return child
 
 
-class OBJECT_OT_rumple_guide_remove(OnWrinkled, bpy.types.Operator):
+class OBJECT_OT_rumple_guide_remove(ui_base.OnWrinkled, bpy.types.Operator):
     """Let no folds run along this curve any more. The curve stays"""
 
     bl_idname = "object.rumple_guide_remove"

@@ -8,7 +8,6 @@ import numpy as np
 from ...core.mesh.healing import SENTENCES, Origin
 from .. import ui_base
 from ..objects import incoming_mesh, runtimes
-from ..translation import said
 
 
 def origin_of(obj: bpy.types.Object) -> Origin | None:
@@ -32,8 +31,7 @@ class OBJECT_OT_rumple_select_healed(ui_base.OnWrinkled, bpy.types.Operator):
             len(obj.data.vertices), len(obj.data.loops))
         elements = origin.elements[self.kind] if same else np.empty(0, np.int32)
         if not len(elements):
-            self.report({"ERROR"}, said(f"{obj.name}: nothing of this kind had to be healed"))
-            return {"CANCELLED"}
+            return ui_base.refuse(self, f"{obj.name}: nothing of this kind had to be healed")
         domain = SENTENCES[self.kind][0]
         context.tool_settings.mesh_select_mode = (False, domain == "EDGE", domain == "FACE")
         _select(obj.data, domain, elements)

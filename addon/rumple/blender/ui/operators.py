@@ -102,9 +102,7 @@ class OBJECT_OT_rumple_add(bpy.types.Operator):
         why = ui_base.refusal(context.object, wrinkled=False)
         if why == ui_base.WRINKLED and _is_last_operation(context):
             why = ""  # Adjust Last Operation calls poll() before it undoes the first click
-        if why:
-            cls.poll_message_set(said(why))
-        return not why
+        return ui_base.may_run(cls, why)
 
     def invoke(self, context: bpy.types.Context, _event: bpy.types.Event) -> set[str]:
         """Called from a menu: long work continues in a thread. Scripts wait for the complete result."""
@@ -115,13 +113,13 @@ class OBJECT_OT_rumple_add(bpy.types.Operator):
         obj = context.object
         why = ui_base.refusal(obj, wrinkled=False)
         if why:
-            return self._refuse(why)
+            return ui_base.refuse(self, why)
         if self.method == "MAPS":
             return self._add_maps(obj)
         try:
             native.load()
         except native.NativeMissing as error:
-            return self._refuse(str(error))
+            return ui_base.refuse(self, error)
         with built_once():
             return self._add_wrinkles(context, obj)
 
@@ -155,19 +153,15 @@ class OBJECT_OT_rumple_add(bpy.types.Operator):
             remove(obj)
             for group in [group for group in obj.vertex_groups if group.name not in maps]:
                 obj.vertex_groups.remove(group)  # painted by this click
-            return self._refuse(why)
+            return ui_base.refuse(self, why)
         self._report(obj, notes, [note] if note else [])
         return {"FINISHED"}
-
-    def _refuse(self, why: str) -> set[str]:
-        self.report({"ERROR"}, said(why))
-        return {"CANCELLED"}
 
     def _add_maps(self, obj: bpy.types.Object) -> set[str]:
         try:
             return bpy.ops.rumple.maps_add()
         except RuntimeError as error:  # bpy.ops raises this if poll() fails
-            return self._refuse(f"{obj.name}: {str(error).rsplit('poll() ', 1)[-1].strip()}")
+            return ui_base.refuse(self, f"{obj.name}: {str(error).rsplit('poll() ', 1)[-1].strip()}")
 
     def _show_waves(self, context: bpy.types.Context, obj: bpy.types.Object) -> None:
         """Show the waves of a Wrinkle Field in materials and viewports."""
@@ -290,8 +284,7 @@ class OBJECT_OT_rumple_capture_rest(ui_base.OnWrinkled, bpy.types.Operator):
     def execute(self, context: bpy.types.Context) -> set[str]:
         obj, scene = context.object, context.scene
         if not compat.is_editable(incoming_mesh.of(obj)):
-            self.report({"ERROR"}, said("This mesh is linked from another file: append it, or make it local"))
-            return {"CANCELLED"}
+            return ui_base.refuse(self, ui_base.LINKED_MESH)
         if self.properties.is_property_set("frame"):
             obj.rumple.rest_frame = self.frame
         now = scene.frame_current, scene.frame_subframe
@@ -307,8 +300,7 @@ class OBJECT_OT_rumple_capture_rest(ui_base.OnWrinkled, bpy.types.Operator):
         finally:
             scene.frame_set(now[0], subframe=now[1])
         if positions is None:
-            self.report({"ERROR"}, said(runtimes.message(obj) or NOT_SHOWN))
-            return {"CANCELLED"}
+            return ui_base.refuse(self, runtimes.message(obj) or NOT_SHOWN)
         ui_base.warn(self, shared_mesh.note_of_capture(obj))
         return {"FINISHED"}
 

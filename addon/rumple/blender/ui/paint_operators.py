@@ -37,9 +37,7 @@ class _OnMap(ui_base.OnWrinkled):
         if not super().poll(context):
             return False
         why = _refusal(context.object)
-        if why:
-            cls.poll_message_set(said(why))
-        return not why
+        return ui_base.may_run(cls, why)
 
     def map_of(self, obj: bpy.types.Object) -> PaintedMap:
         """The chosen map, if it is editable. Raises UserError."""
@@ -50,14 +48,10 @@ class _OnMap(ui_base.OnWrinkled):
             raise UserError(f"{obj.name}: the vertex group {painted.name} is locked: unlock it in the object data")
         return painted
 
-    def refused(self, error: UserError) -> set[str]:
-        self.report({"ERROR"}, said(str(error)))
-        return {"CANCELLED"}
-
 
 def _refusal(obj: bpy.types.Object) -> str:
     if not compat.is_editable(obj.data):
-        return "This mesh is linked from another file: append it, or make it local"
+        return ui_base.LINKED_MESH
     if obj.data.override_library is not None:
         return "This mesh is a library override, which keeps no paint: make it local"
     return ""
@@ -80,8 +74,7 @@ class OBJECT_OT_rumple_paint(_OnMap, bpy.types.Operator):
         obj = context.object
         painted = painted_maps.find(obj, self.group)
         if painted is None:
-            return self.refused(UserError(f"{obj.name}: its wrinkles have no {self.group} to paint: choose another "
-                                          "map"))
+            return ui_base.refuse(self, f"{obj.name}: its wrinkles have no {self.group} to paint: choose another map")
         active = obj.vertex_groups.active
         if obj.mode == "WEIGHT_PAINT" and active is not None and active.name == painted.name:
             bpy.ops.object.mode_set(mode="OBJECT")
@@ -125,10 +118,8 @@ class _WholeMap(_OnMap):
     def poll(cls, context: bpy.types.Context) -> bool:
         if not super().poll(context):
             return False
-        if context.object.mode not in ("OBJECT", "WEIGHT_PAINT"):
-            cls.poll_message_set(said("Go to Object Mode or Weight Paint first"))
-            return False
-        return True
+        painting = context.object.mode in ("OBJECT", "WEIGHT_PAINT")
+        return ui_base.may_run(cls, "" if painting else "Go to Object Mode or Weight Paint first")
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         obj = context.object
@@ -138,7 +129,7 @@ class _WholeMap(_OnMap):
                 raise UserError(f"{obj.name}: nothing is painted in {painted.name} yet: paint first")
             self.change(context, obj, painted)
         except UserError as error:
-            return self.refused(error)
+            return ui_base.refuse(self, error)
         ui_base.warn(self, shared_mesh.note(obj))
         return {"FINISHED"}
 
@@ -227,7 +218,7 @@ class OBJECT_OT_rumple_paint_from_texture(_WholeMap, bpy.types.Operator):
             _uv_map(context.object)
             _image(context.object, self.image)  # without an image there is nothing to choose
         except UserError as error:
-            return self.refused(error)
+            return ui_base.refuse(self, error)
         return context.window_manager.invoke_props_dialog(self)
 
     def draw(self, _context: bpy.types.Context) -> None:
@@ -293,7 +284,7 @@ class OBJECT_OT_rumple_paint_from_material(_WholeMap, bpy.types.Operator):
         try:
             names = _materials(obj)  # without a material there is nothing to choose
         except UserError as error:
-            return self.refused(error)
+            return ui_base.refuse(self, error)
         self._choose_weight(painted_maps.find(obj, self.group))
         if self.material not in names and obj.active_material is not None:
             self.material = obj.active_material.name

@@ -11,13 +11,13 @@ import bpy
 import numpy as np
 
 from ...core.systems.wrinkle_paths import PERCENT_OF_HEIGHT, width_of_height
+from .. import ui_base
 from ..frame import path_curves
 from ..objects import mesh_reader, modifier, properties
 from ..translation import said
-from ..ui_base import OnWrinkled
 
 
-class OnPaths(OnWrinkled):
+class OnPaths(ui_base.OnWrinkled):
     """Operators for an object with Wrinkle Paths."""
 
     method, other_method = "PATHS", "Only for Wrinkle Paths"
@@ -37,9 +37,8 @@ class OBJECT_OT_rumple_width_from_height(OnPaths, bpy.types.Operator):
         obj = context.object
         found = character_height(obj)
         if found is None:
-            self.report({"ERROR"}, said(f"{obj.name}: no height to go by: it is flat, and has neither an armature "
-                                        "with deforming bones nor a mesh that it is parented to"))
-            return {"CANCELLED"}
+            return ui_base.refuse(self, f"{obj.name}: no height to go by: it is flat, and has neither an armature "
+                                  "with deforming bones nor a mesh that it is parented to")
         character, height = found
         metres = height * context.scene.unit_settings.scale_length
         width = width_of_height(metres, self.percent)
@@ -87,9 +86,7 @@ class OBJECT_OT_rumple_curves_add(OnPaths, bpy.types.Operator):
             why = "There are curves already"
         elif modifier.is_baked(modifier.find(context.object)):
             why = "The folds are baked: free the bake, add the curves, bake again"
-        if why:
-            cls.poll_message_set(said(why))
-        return not why
+        return ui_base.may_run(cls, why)
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         child = path_curves.add(context.object)
@@ -107,10 +104,7 @@ class OBJECT_OT_rumple_curves_remove(OnPaths, bpy.types.Operator):
     def poll(cls, context: bpy.types.Context) -> bool:
         if not super().poll(context):
             return False
-        found = bool(path_curves.of(context.object))
-        if not found:
-            cls.poll_message_set(said("There are no curves"))
-        return found
+        return ui_base.may_run(cls, "" if path_curves.of(context.object) else "There are no curves")
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         for child in path_curves.of(context.object):

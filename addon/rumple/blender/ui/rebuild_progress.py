@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import bpy
 
-from .. import scheduler
+from .. import scheduler, ui_base
 from ..objects import evaluator, modifier, runtimes
 from ..translation import said
 from .operators import remove
@@ -14,7 +14,7 @@ AFTER = 0.4  # seconds: nothing is shown for shorter builds
 _shown_in = -1  # number of the file in which it is shown
 
 
-class WM_OT_rumple_rebuild_wait(bpy.types.Operator):
+class WM_OT_rumple_rebuild_wait(ui_base.ModalWork, bpy.types.Operator):
     """Say in the status bar that folds are being made. Esc leaves all as it was"""
 
     bl_idname = "wm.rumple_rebuild_wait"
@@ -24,11 +24,9 @@ class WM_OT_rumple_rebuild_wait(bpy.types.Operator):
     def invoke(self, context: bpy.types.Context, _event: bpy.types.Event) -> set[str]:
         global _shown_in
         _shown_in = scheduler.file_number()
-        context.window_manager.progress_begin(0, 9999)
-        self._timer = context.window_manager.event_timer_add(0.1, window=context.window)
-        context.window_manager.modal_handler_add(self)
+        running = self.begin_modal(context, 9999, 0.1)
         self._say(context)
-        return {"RUNNING_MODAL"}
+        return running
 
     def modal(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         builds = scheduler.running_builds()
@@ -67,17 +65,13 @@ class WM_OT_rumple_rebuild_wait(bpy.types.Operator):
             return
         seconds = max(build.seconds for build in builds)
         context.window_manager.progress_update(int(seconds))
-        if context.workspace is not None:
-            names = ", ".join(build.name for build in builds)
-            context.workspace.status_text_set(said(f"Making the folds of {names}: {seconds:.0f} s. Esc stops it"))
+        names = ", ".join(build.name for build in builds)
+        self.show_status(context, said(f"Making the folds of {names}: {seconds:.0f} s. Esc stops it"))
 
     def _end(self, context: bpy.types.Context) -> None:
         global _shown_in
         _shown_in = -1
-        context.window_manager.event_timer_remove(self._timer)
-        context.window_manager.progress_end()
-        if context.workspace is not None:
-            context.workspace.status_text_set(None)
+        self.end_modal(context)
 
 
 def _tell() -> None:

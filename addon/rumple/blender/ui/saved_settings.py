@@ -97,13 +97,11 @@ class OBJECT_OT_rumple_use_settings(ui_base.OnWrinkled, bpy.types.Operator):
     def execute(self, context: bpy.types.Context) -> set[str]:
         obj = context.object
         if self.method != obj.rumple.method:
-            self.report({"ERROR"}, said(f"{obj.name}: these settings are not of a {properties.system_of(obj).label}"))
-            return {"CANCELLED"}
+            return ui_base.refuse(self, f"{obj.name}: these settings are not of a {properties.system_of(obj).label}")
         try:
             known, refused = checked(obj, self.values)
         except ValueError as error:
-            self.report({"ERROR"}, said(f"{obj.name}: this preset cannot be read: {error}"))
-            return {"CANCELLED"}
+            return ui_base.refuse(self, f"{obj.name}: this preset cannot be read: {error}")
         properties.apply_values(obj, context.scene, known)
         bpy.ops.ed.undo_push(message=self.bl_label)  # operators called by a preset file make no undo step themselves
         if refused:

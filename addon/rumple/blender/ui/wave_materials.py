@@ -35,8 +35,7 @@ class OBJECT_OT_rumple_shade(_OnWaves, bpy.types.Operator):
         runtimes.of(context.object).stale = True  # the output object needs the new slots
         scheduler.sync_all()
         if not materials:
-            self.report({"ERROR"}, said(f"{context.object.name}: its materials are linked from another file"))
-            return {"CANCELLED"}
+            return ui_base.refuse(self, f"{context.object.name}: its materials are linked from another file")
         for note in unshaded(context.object):
             self.report({"WARNING"}, said(note))
         count = sum(map(field_shader.shows_waves, materials))
