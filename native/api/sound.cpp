@@ -61,7 +61,7 @@ std::vector<Floats> floats_in(const wrinkle_field::State& of) {
 }
 
 std::vector<Floats> floats_in(const wrinkle_paths::State& of) {
-    std::vector<Floats> all = floats_in(static_cast<const ReferenceState&>(of));
+    std::vector<Floats> all = floats_in(of.reference);
     append(all, {floats_of(of.shapes), floats_of(of.compression)});
     for (const wrinkle_paths::Path& path : of.paths) {
         all.emplace_back(&path.fade, 1);
@@ -101,7 +101,7 @@ std::vector<Floats> floats_in(const wrinkle_paths::Curves& of) {
 }
 
 std::vector<Floats> floats_in(const wrinkle_paths::RidingCurves& of) {
-    std::vector<Floats> all = floats_in(static_cast<const wrinkle_paths::Curves&>(of));
+    std::vector<Floats> all = floats_in(of.curves);
     append(all, {floats_of(of.weights), floats_of(of.local_offset)});
     return all;
 }

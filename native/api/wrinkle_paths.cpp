@@ -11,7 +11,7 @@ using namespace rumple::wrinkle_paths;
 // Lists all fields once, for both directions: see api/settings.h.
 template <typename Pair>
 static void pair_fields(rumple_wrinkle_paths_settings& c, Settings& native, const Pair& pair) {
-    pair_reference(c.rest, native, pair);
+    pair_reference(c.rest, native.rest, pair);
     pair(c.smoothing, native.smoothing);
     pair(c.threshold, native.threshold);
     pair(c.reach, native.reach);
@@ -70,7 +70,7 @@ size_t bytes(const std::vector<T>& values) {
 size_t bytes_of(const State& state, const PathArrays& flat) {
     size_t points = 0;
     for (const Path& path : state.paths) points += bytes(path.points);
-    return state.bytes() + bytes(state.compression) + bytes(state.width) + bytes(state.shapes) +
+    return state.reference.bytes() + bytes(state.compression) + bytes(state.width) + bytes(state.shapes) +
            bytes(state.paths) + points + bytes(flat.id) + bytes(flat.fade) + bytes(flat.start) +
            bytes(flat.triangle_edge) + bytes(flat.at);
 }
@@ -145,7 +145,7 @@ rumple_status rumple_wrinkle_paths_get_view(const rumple_wrinkle_paths* model,
                                             rumple_wrinkle_paths_view* view) {
     return guarded([&] {
         const Model& m = *given(model, "model").model;
-        given(view, "view") = {m.net.triangles(), m.net.vertex.data()};
+        given(view, "view") = {m.triangles.net.triangles(), m.triangles.net.vertex.data()};
     });
 }
 
@@ -193,7 +193,7 @@ rumple_status rumple_wrinkle_paths_state_get_view(const rumple_wrinkle_paths_sta
     return guarded([&] {
         const State& s = given(state, "state").state;
         const PathArrays& a = state->arrays();
-        given(view, "view") = {view_of(s),           flat<float>(s.shapes),
+        given(view, "view") = {view_of(s.reference), flat<float>(s.shapes),
                                s.shapes.size(),      s.compression.data(),
                                s.compression.size(), s.width.data(),
                                s.width.size(),       a.id.data(),
@@ -213,7 +213,7 @@ rumple_status rumple_wrinkle_paths_state_build(const rumple_wrinkle_paths* model
         const rumple_wrinkle_paths& m = given(model, "model");
         const rumple_wrinkle_paths_state_view& from = given(arrays, "arrays");
         State made;
-        static_cast<ReferenceState&>(made) = state_of(from.reference);
+        made.reference = state_of(from.reference);
         made.shapes = copied(rows<FlatTriangle>(from.shapes, from.shapes_count, "shapes"));
         made.compression = copied(values(from.compression, from.compression_count, "compression"));
         made.width = copied(values(from.width, from.width_count, "width"));
@@ -294,7 +294,7 @@ rumple_status rumple_wrinkle_paths_label_clip(const rumple_wrinkle_paths* model,
                                               size_t labels_count) {
     return guarded([&] {
         const Model& m = *given(model, "model").model;
-        label(m.base, m, paths_settings(settings), {times, times_count, positions, positions_count, raw},
-              labels, labels_count);
+        label(m.base, m.triangles, paths_settings(settings).rest,
+              {times, times_count, positions, positions_count, raw}, labels, labels_count);
     });
 }

@@ -25,18 +25,19 @@ void rumple_curves_free(rumple_curves* curves) {
 
 rumple_status rumple_curves_get_view(const rumple_curves* curves, rumple_curves_view* view) {
     return guarded([&] {
-        const RidingCurves& c = given(curves, "curves").curves;
+        const RidingCurves& riding = given(curves, "curves").curves;
+        const Curves& c = riding.curves;
         given(view, "view") = {count(c.id),
                                count(c.positions),
-                               count(c.corners),
+                               count(riding.corners),
                                c.start.data(),
                                c.id.data(),
                                flat<float>(c.positions),
                                c.width.data(),
                                c.height.data(),
-                               flat<int32_t>(c.corners),
-                               flat<float>(c.weights),
-                               flat<float>(c.local_offset)};
+                               flat<int32_t>(riding.corners),
+                               flat<float>(riding.weights),
+                               flat<float>(riding.local_offset)};
     });
 }
 
@@ -48,8 +49,7 @@ rumple_status rumple_wrinkle_paths_trace(const rumple_wrinkle_paths* model,
         const rumple_wrinkle_paths& m = given(model, "model");
         const State& at = given_of_model(state, m, "state").state;
         RidingCurves lines;
-        static_cast<Curves&>(lines) =
-            curves(*m.model, paths_settings(settings), given_of_model(pose, m, "pose").pose, at);
+        lines.curves = curves(*m.model, paths_settings(settings), given_of_model(pose, m, "pose").pose, at);
         return new rumple_curves{sound(std::move(lines))};
     });
 }
@@ -75,9 +75,9 @@ rumple_status rumple_wrinkle_paths_stretches(const rumple_wrinkle_paths* model,
     return guarded([&] {
         const rumple_wrinkle_paths& m = given(model, "model");
         const State& at = given_of_model(state, m, "state").state;
-        const auto to = output<Vec2>(out, out_count, size_t(m.model->net.triangles()), "stretches");
+        const auto to = output<Vec2>(out, out_count, size_t(m.model->triangles.net.triangles()), "stretches");
         const std::vector<Stretch> found =
-            stretches(*m.model, at, given_of_model(pose, m, "pose").pose.positions);
+            stretches(*m.model, at, given_of_model(pose, m, "pose").pose.base.positions);
         for (size_t t = 0; t < to.size(); ++t) to[t] = {found[t].compression, found[t].stretch};
     });
 }
@@ -88,7 +88,8 @@ rumple_status rumple_wrinkle_paths_ellipses(const rumple_wrinkle_paths* model,
                                             size_t out_count) {
     return guarded([&] {
         const rumple_wrinkle_paths& m = given(model, "model");
-        const auto to = output<Ellipse>(out, out_count, size_t(m.model->net.triangles()), "ellipses");
+        const auto to =
+            output<Ellipse>(out, out_count, size_t(m.model->triangles.net.triangles()), "ellipses");
         expect_within("size", size, 0.0, 1e6);
         write(sound(ellipses(*m.model, given_of_model(pose, m, "pose").pose,
                              given_of_model(state, m, "state").state, size)),
@@ -162,7 +163,7 @@ rumple_status rumple_drawing_evaluate(const rumple_drawing* drawing,
         const auto weights = rows<Vec2>(barycentric, place_count, "barycentric");
         const auto to = output<std::array<float, 7>>(out, place_count, place_count, "out");
         expect_finite("barycentric", weights, "place");
-        expect_places(which, weights, size_t(d.model->net.triangles()));
+        expect_places(which, weights, size_t(d.model->triangles.net.triangles()));
         for (size_t i = 0; i < which.size(); ++i) {
             const Drawn at = drawn_at(*d.model, options, d.drawing, {which[i], weights[i].x, weights[i].y});
             to[i] = {at.position.x, at.position.y, at.position.z, at.height,

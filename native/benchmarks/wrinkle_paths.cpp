@@ -57,7 +57,7 @@ struct Sleeve {
     Input input(int f) const {
         Input in;
         in.positions = poses[(f + 1) % kFrames];
-        in.time = states[f].time + 1.0 / 30.0;
+        in.frame_time.time = states[f].reference.time + 1.0 / 30.0;
         return in;
     }
 };
@@ -85,8 +85,8 @@ void frame(benchmark::State& bench, const Row& row, Index level) {
         std::vector<Stretch> changes;
         timed(reference, [&] {
             const Pose pose = make_pose(*cloth.model, input.positions);
-            benchmark::DoNotOptimize(
-                adapt(cloth.model->base, *cloth.model, cloth.settings, input, pose, &before, changes));
+            benchmark::DoNotOptimize(adapt(cloth.model->base, cloth.model->triangles, cloth.settings.rest,
+                                           input.frame_time, pose.base, &before.reference, changes));
         });
         Report report;
         const auto pose = [&] { return make_pose(*cloth.model, input.positions); };
@@ -98,7 +98,7 @@ void frame(benchmark::State& bench, const Row& row, Index level) {
     double paths = 0.0;
     for (const State& s : sleeve.states) paths += double(s.paths.size()) / kFrames;
     const double frames = double(bench.iterations());
-    bench.counters["triangles"] = double(cloth.model->net.triangles());
+    bench.counters["triangles"] = double(cloth.model->triangles.net.triangles());
     bench.counters["fine_vertices"] = double(picture.positions.size());
     bench.counters["paths"] = paths;
     bench.counters["1_reference_ms"] = reference / frames;

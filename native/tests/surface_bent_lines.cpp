@@ -148,14 +148,15 @@ TEST(BentLines, BearNoWavesOfTheField) {
 
 TEST(BentLines, BearNoPaths) {
     PathCloth cloth(sheet());
-    cloth.settings.reference = Reference::kStaticRest;
+    cloth.settings.rest.reference = Reference::kStaticRest;
     const auto paths = [&](const Pose3& pose, float bend_radius) {
         cloth.settings.bend_radius = bend_radius;
         int count = 0;
         for (const wrinkle_paths::Path& path : cloth.solve(pose).paths) {
             count +=
                 std::any_of(path.points.begin(), path.points.end(), [&](const wrinkle_paths::PathPoint& p) {
-                    return away_from_ends(cloth.mesh.positions[cloth.model->net.vertex[3 * p.triangle]].x);
+                    return away_from_ends(
+                        cloth.mesh.positions[cloth.model->triangles.net.vertex[3 * p.triangle]].x);
                 });
         }
         return count;

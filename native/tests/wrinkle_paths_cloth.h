@@ -34,7 +34,7 @@ struct PathCloth {
         wrinkle_paths::Report unused;
         wrinkle_paths::Input input;
         input.positions = pose;
-        input.time = before ? before->time + 1.0 / frame_rate : 0.0;
+        input.frame_time.time = before ? before->reference.time + 1.0 / frame_rate : 0.0;
         return wrinkle_paths::solve(*model, settings, {}, input, make_pose(*model, pose), before,
                                     report ? *report : unused);
     }
@@ -92,10 +92,10 @@ struct Squeezed : PathCloth {
     explicit Squeezed(float x = 0.5f)
         : PathCloth(grid(4, 4, 1.0f)),
           pose(wrinkle_paths::make_pose(*model, squeezed(x))),
-          context(wrinkle_paths::make_context(*model, settings, {}, pose, pose.shapes, model->rest,
-                                              std::vector<Stretch>(32))) {}
+          context(wrinkle_paths::make_context(*model, settings, {}, pose, pose.base.shapes,
+                                              model->triangles.rest, std::vector<Stretch>(32))) {}
     Index triangle_at(const Vec3& p) const {
-        for (Index t = 0; t < model->net.triangles(); ++t) {
+        for (Index t = 0; t < model->triangles.net.triangles(); ++t) {
             const glm::dvec2 at = context.to_flat(t, p), u1 = context.corner(t, 1), u2 = context.corner(t, 2);
             const double y = at.y / u2.y, x = (at.x - y * u2.x) / u1.x;
             if (x > 1e-6 && y > 1e-6 && x + y < 1.0 - 1e-6) return t;
@@ -129,9 +129,10 @@ inline bool same_bits(const wrinkle_paths::State& a, const wrinkle_paths::State&
     const auto same = [](const auto& x, const auto& y) {
         return x.size() == y.size() && std::memcmp(x.data(), y.data(), x.size() * sizeof(x[0])) == 0;
     };
-    return same_bits(a.paths, b.paths) && same(a.reference, b.reference) && same(a.shapes, b.shapes) &&
-           same(a.compression, b.compression) && same(a.labels, b.labels) &&
-           same(a.past_positions, b.past_positions) && a.next_id == b.next_id;
+    return same_bits(a.paths, b.paths) && same(a.reference.reference, b.reference.reference) &&
+           same(a.shapes, b.shapes) && same(a.compression, b.compression) &&
+           same(a.reference.labels, b.reference.labels) &&
+           same(a.reference.past_positions, b.reference.past_positions) && a.next_id == b.next_id;
 }
 
 inline float total_length(const wrinkle_paths::Curves& curves) {

@@ -25,7 +25,7 @@ struct BentTube : PathCloth {
     State state;
     explicit BentTube(AttachmentKind kind) : PathCloth(tube(16, 14, 0.06f, 0.5f)) {
         model = wrinkle_paths::build(tests::build(mesh), {}, kind);
-        settings.reference = Reference::kStaticRest;
+        settings.rest.reference = Reference::kStaticRest;
         pose = bent(2.0f, 0.5f);
         state = solve(pose);
     }
@@ -39,12 +39,12 @@ TEST(PathCurves, RidingOnTheirOwnPoseTheyStandOnTheCrests) {
         const BentTube cloth(kind);
         const RidingCurves curves = cloth.ride();
         const Curves flat = cloth.curves(cloth.pose, cloth.state);
-        ASSERT_GT(curves.id.size(), 2u);
-        ASSERT_EQ(curves.corners.size(), curves.positions.size());
+        ASSERT_GT(curves.curves.id.size(), 2u);
+        ASSERT_EQ(curves.corners.size(), curves.curves.positions.size());
         float highest = 0.0f;
-        for (size_t i = 0; i < curves.positions.size(); ++i) {
-            EXPECT_LT(glm::distance(ridden(curves, i, cloth.pose), curves.positions[i]), 1e-6f);
-            const float above = glm::distance(curves.positions[i], flat.positions[i]);
+        for (size_t i = 0; i < curves.curves.positions.size(); ++i) {
+            EXPECT_LT(glm::distance(ridden(curves, i, cloth.pose), curves.curves.positions[i]), 1e-6f);
+            const float above = glm::distance(curves.curves.positions[i], flat.positions[i]);
             EXPECT_LT(above, flat.height[i] + 0.5f * cloth.settings.width);  // PN triangles bulge
             highest = std::max(highest, above);
         }
@@ -59,8 +59,8 @@ TEST(PathCurves, SmoothedTheyStayOnTheTriangles) {
     const RidingCurves lifted = cloth.ride();
     float most = 0.0f;
     for (size_t i = 0; i < flat.positions.size(); ++i) {
-        const float above = glm::distance(lifted.positions[i], flat.positions[i]);
-        most = std::max(most, std::abs(above - lifted.height[i]));
+        const float above = glm::distance(lifted.curves.positions[i], flat.positions[i]);
+        most = std::max(most, std::abs(above - lifted.curves.height[i]));
     }
     EXPECT_LT(most, 0.1f * cloth.settings.width);
 }
@@ -73,7 +73,7 @@ TEST(PathCurves, TheyLieOnTheFineMesh) {
         const RidingCurves curves = cloth.ride();
         const Picture picture = cloth.show(cloth.pose, cloth.state);
         std::vector<float> away;
-        for (const Vec3& p : curves.positions) {
+        for (const Vec3& p : curves.curves.positions) {
             float nearest = 1.0f;
             for (const Vec3& q : picture.positions) nearest = std::min(nearest, glm::distance(p, q));
             away.push_back(nearest);
@@ -91,8 +91,8 @@ TEST(PathCurves, TheyTurnWithTheBase) {
     const auto turned = [](const Vec3& p) { return Vec3(-p.z, p.y, p.x) + Vec3(1.0f, 2.0f, 3.0f); };
     Pose3 pose = cloth.pose;
     for (Vec3& p : pose) p = turned(p);
-    for (size_t i = 0; i < curves.positions.size(); ++i)
-        EXPECT_LT(glm::distance(ridden(curves, i, pose), turned(curves.positions[i])), 2e-6f);
+    for (size_t i = 0; i < curves.curves.positions.size(); ++i)
+        EXPECT_LT(glm::distance(ridden(curves, i, pose), turned(curves.curves.positions[i])), 2e-6f);
 }
 
 TEST(PathCurves, HemsFadeInTheirHeights) {
@@ -100,9 +100,9 @@ TEST(PathCurves, HemsFadeInTheirHeights) {
     cloth.settings.hem_rings = 13;  // every ring of the tube
     const RidingCurves curves = cloth.ride();
     const Curves whole = cloth.curves(cloth.pose, cloth.state);
-    for (size_t i = 0; i < curves.height.size(); ++i) {
-        EXPECT_LE(curves.height[i], whole.height[i]);
-        EXPECT_LT(curves.height[i], 0.9f * whole.height[i] + 1e-9f);
+    for (size_t i = 0; i < curves.curves.height.size(); ++i) {
+        EXPECT_LE(curves.curves.height[i], whole.height[i]);
+        EXPECT_LT(curves.curves.height[i], 0.9f * whole.height[i] + 1e-9f);
     }
 }
 
@@ -111,7 +111,7 @@ TEST(PathCurves, ACollapsedTriangleKeepsThemFinite) {
     const RidingCurves before = cloth.ride();
     const auto corners = before.corners[before.corners.size() / 2];
     cloth.pose[corners[1]] = cloth.pose[corners[2]] = cloth.pose[corners[0]];
-    for (const Vec3& p : cloth.ride().positions) EXPECT_TRUE(std::isfinite(p.x + p.y + p.z));
+    for (const Vec3& p : cloth.ride().curves.positions) EXPECT_TRUE(std::isfinite(p.x + p.y + p.z));
 }
 
 // A right triangle of legs 3 and 4 (inscribed circle: radius 1) at 0.8 along x and 1.5 along y.
@@ -137,7 +137,7 @@ TEST(PathEllipses, WhatDoesNotFitIsRefused) {
     const State rest = cloth.solve(cloth.mesh.positions);
     const Pose pose = make_pose(*cloth.model, cloth.mesh.positions);
     State other = rest;
-    other.reference.pop_back();
+    other.reference.reference.pop_back();
     expect_refused([&] { ellipses(*cloth.model, pose, other); }, {"reference"});
 }
 

@@ -23,14 +23,14 @@ TEST(PathShapes, AreFilteredInTime) {
     const Pose rest = make_pose(*one.model, one.mesh.positions);
     const Pose pose = make_pose(*one.model, one.squeezed(1.0f, 0.5f));
     State state;
-    state.shapes = rest.shapes;
+    state.shapes = rest.base.shapes;
     const std::vector<FlatTriangle> shapes = smoothed_shapes(one.settings, 0.1, &state, pose);
     for (size_t t = 0; t < shapes.size(); ++t) {
-        const Stretch stretch = measure_stretch(rest.shapes[t], shapes[t]);
+        const Stretch stretch = measure_stretch(rest.base.shapes[t], shapes[t]);
         EXPECT_NEAR(1.0f / stretch.compression, std::sqrt(0.25f + 0.75f * std::exp(-1.0f)), 1e-6f);
         EXPECT_NEAR(stretch.stretch, 1.0f, 1e-6f);
     }
-    EXPECT_EQ(smoothed_shapes(one.settings, 0.1, nullptr, pose)[0].y2, pose.shapes[0].y2);
+    EXPECT_EQ(smoothed_shapes(one.settings, 0.1, nullptr, pose)[0].y2, pose.base.shapes[0].y2);
 }
 
 // Why squared lengths: of a triangle that only jitters, the mean of lambda_min is 4 % short, and the
@@ -41,7 +41,7 @@ TEST(PathShapes, OfATriangleThatJittersAreNotShorter) {
     std::mt19937 random(1);
     std::normal_distribution<float> noise(0.0f, 0.001f);
     State state;
-    state.shapes = rest.shapes;
+    state.shapes = rest.base.shapes;
     double of_smoothed = 0.0, of_each = 0.0;
     constexpr int kFrames = 3000, kSettled = 100;
     for (int f = 0; f < kFrames; ++f) {
@@ -50,10 +50,10 @@ TEST(PathShapes, OfATriangleThatJittersAreNotShorter) {
         const Pose jittered = make_pose(*one.model, pose);
         state.shapes = smoothed_shapes(one.settings, 1.0 / 30.0, &state, jittered);
         if (f < kSettled) continue;
-        of_each +=
-            1.0 / measure_stretch(rest.shapes[0], jittered.shapes[0]).compression / (kFrames - kSettled);
+        of_each += 1.0 / measure_stretch(rest.base.shapes[0], jittered.base.shapes[0]).compression /
+                   (kFrames - kSettled);
         of_smoothed +=
-            1.0 / measure_stretch(rest.shapes[0], state.shapes[0]).compression / (kFrames - kSettled);
+            1.0 / measure_stretch(rest.base.shapes[0], state.shapes[0]).compression / (kFrames - kSettled);
     }
     EXPECT_LT(of_each, 0.97);
     EXPECT_GT(of_smoothed, 0.98);
@@ -117,7 +117,7 @@ TEST(PathLive, CutsAPathBackToASegmentWithoutLength) {
     const Pose pose = make_pose(*cloth.model, cloth.mesh.positions);
     const PathContext context{*cloth.model, pose, {}, {}, {}};
     const PathPoint on_edge{1, 0, {0.5f, 0.0f}};  // the middle of the diagonal, (1/16, 1/16)
-    ASSERT_EQ(triangle_of(cloth.model->net.twin[half_edge(on_edge)]), 0);
+    ASSERT_EQ(triangle_of(cloth.model->triangles.net.twin[half_edge(on_edge)]), 0);
     state.paths = {{0,
                     1.0f,
                     {{1, kNone, {0.5f, 0.0f}},  // the same place

@@ -13,9 +13,18 @@ namespace {
 
 using namespace wrinkle_paths;
 
+template <float Settings::*field>
+float& own(Settings& settings) {
+    return settings.*field;
+}
+template <float ReferenceSettings::*field>
+float& of_rest(Settings& settings) {
+    return settings.rest.*field;
+}
+
 struct Range {
     const char* name;
-    float Settings::*field;
+    float& (*field)(Settings&);
     float low;  // refused
     float first;
     float last;
@@ -23,19 +32,19 @@ struct Range {
 };
 
 const Range kRanges[] = {
-    {"window", &Settings::window, -0.1f, 0.0f, 10.0f, 11.0f},
-    {"relaxation", &Settings::relaxation, -0.1f, 0.0f, 1.0f, 1.1f},
-    {"growth", &Settings::growth, 0.9f, 1.0f, 1e6f, 2e6f},
-    {"growth_time", &Settings::growth_time, -0.1f, 0.0f, 10.0f, 11.0f},
-    {"smoothing", &Settings::smoothing, -0.1f, 0.0f, 10.0f, 11.0f},
-    {"threshold", &Settings::threshold, 1.0f, 1.01f, 1e6f, 2e6f},
-    {"reach", &Settings::reach, -0.1f, 0.0f, 1.0f, 1.1f},
-    {"width", &Settings::width, 0.0f, 1e-4f, 1e6f, 2e6f},
-    {"spacing", &Settings::spacing, 0.0f, 0.1f, 1e6f, 2e6f},
-    {"alignment", &Settings::alignment, -0.1f, 0.0f, 1e6f, 2e6f},
-    {"growth_limit", &Settings::growth_limit, -0.1f, 0.0f, 1e6f, 2e6f},
-    {"fade", &Settings::fade, -0.1f, 0.0f, 1e6f, 2e6f},
-    {"height", &Settings::height, -0.1f, 0.0f, 1e6f, 2e6f},
+    {"window", of_rest<&ReferenceSettings::window>, -0.1f, 0.0f, 10.0f, 11.0f},
+    {"relaxation", of_rest<&ReferenceSettings::relaxation>, -0.1f, 0.0f, 1.0f, 1.1f},
+    {"growth", of_rest<&ReferenceSettings::growth>, 0.9f, 1.0f, 1e6f, 2e6f},
+    {"growth_time", of_rest<&ReferenceSettings::growth_time>, -0.1f, 0.0f, 10.0f, 11.0f},
+    {"smoothing", own<&Settings::smoothing>, -0.1f, 0.0f, 10.0f, 11.0f},
+    {"threshold", own<&Settings::threshold>, 1.0f, 1.01f, 1e6f, 2e6f},
+    {"reach", own<&Settings::reach>, -0.1f, 0.0f, 1.0f, 1.1f},
+    {"width", own<&Settings::width>, 0.0f, 1e-4f, 1e6f, 2e6f},
+    {"spacing", own<&Settings::spacing>, 0.0f, 0.1f, 1e6f, 2e6f},
+    {"alignment", own<&Settings::alignment>, -0.1f, 0.0f, 1e6f, 2e6f},
+    {"growth_limit", own<&Settings::growth_limit>, -0.1f, 0.0f, 1e6f, 2e6f},
+    {"fade", own<&Settings::fade>, -0.1f, 0.0f, 1e6f, 2e6f},
+    {"height", own<&Settings::height>, -0.1f, 0.0f, 1e6f, 2e6f},
 };
 
 TEST(WrinklePathsInput, ASettingOutOfItsRangeIsNamedWithItsRangeAndValue) {
@@ -44,12 +53,12 @@ TEST(WrinklePathsInput, ASettingOutOfItsRangeIsNamedWithItsRangeAndValue) {
     for (const Range& range : kRanges) {
         for (const float value : {range.first, range.last}) {
             Settings settings;
-            settings.*range.field = value;
+            range.field(settings) = value;
             EXPECT_NO_THROW(check(settings)) << range.name << " = " << value;
         }
         for (const float value : {range.low, range.high, kNan, kInfinity, -kInfinity}) {
             PathCloth bad = cloth;
-            bad.settings.*range.field = value;
+            range.field(bad.settings) = value;
             const std::string begins = std::string(range.name) + ": expected ";
             expect_refused([&] { check(bad.settings); }, {begins, "got " + short_text(value)});
             expect_refused([&] { bad.solve(bad.mesh.positions); }, {begins});
@@ -85,10 +94,10 @@ TEST(WrinklePathsInput, AStateOfAnotherMeshOrOfALaterTimeIsRefused) {
     const State foreign = other.solve(other.mesh.positions);
     expect_refused([&] { cloth.solve(cloth.mesh.positions, &foreign); }, {"state.labels", "expected 8 "});
     State late = cloth.solve(cloth.mesh.positions);
-    late.time = 5.0;
+    late.reference.time = 5.0;
     Input input;
     input.positions = cloth.mesh.positions;
-    input.time = 4.0;
+    input.frame_time.time = 4.0;
     Report report;
     const Pose pose = make_pose(*cloth.model, input.positions);
     expect_refused([&] { solve(*cloth.model, cloth.settings, {}, input, pose, &late, report); },
@@ -105,15 +114,15 @@ TEST(WrinklePathsInput, AStateOfAnotherMeshOrOfALaterTimeIsRefused) {
         spoil(bad);
         expect_refused([&] { cloth.solve(cloth.mesh.positions, &bad); }, {std::string("state.") + name});
     };
-    refuses("labels: number 3 ", [](State& s) { s.labels[3] = 9; });
-    refuses("reference: number 2 ", [](State& s) { s.reference[2].x2 = kNan; });
-    refuses("reference: number 2 ", [](State& s) { s.reference[2].y2 = -1.0f; });
+    refuses("labels: number 3 ", [](State& s) { s.reference.labels[3] = 9; });
+    refuses("reference: number 2 ", [](State& s) { s.reference.reference[2].x2 = kNan; });
+    refuses("reference: number 2 ", [](State& s) { s.reference.reference[2].y2 = -1.0f; });
     refuses("shapes: number 2 ", [](State& s) { s.shapes[2].x1 = kNan; });
     refuses("compression: number 5 ", [](State& s) { s.compression[5] = 0.0f; });
-    refuses("past_times: number 0 ", [](State& s) { s.past_times[0] = 9.0; });
-    refuses("past_times", [](State& s) { s.past_times.clear(); });
-    refuses("past_positions: number 4 ", [](State& s) { s.past_positions[4].y = kInfinity; });
-    refuses("past_positions: expected 9 ", [](State& s) { s.past_positions.pop_back(); });
+    refuses("past_times: number 0 ", [](State& s) { s.reference.past_times[0] = 9.0; });
+    refuses("past_times", [](State& s) { s.reference.past_times.clear(); });
+    refuses("past_positions: number 4 ", [](State& s) { s.reference.past_positions[4].y = kInfinity; });
+    refuses("past_positions: expected 9 ", [](State& s) { s.reference.past_positions.pop_back(); });
     refuses("path_fade: number 0 ", [](State& s) { s.paths[0].fade = 1.5f; });
 }
 
@@ -133,25 +142,27 @@ TEST(WrinklePathsInput, LabelsPaintAndTimesAreChecked) {
     mask[4] = kNan;
     expect_refused([&] { call({mask}); }, {"paint.mask: vertex 4: expected 0 to 1, got "});
     Labels labels(7, kRest);
-    input.labels = labels;
+    input.frame_time.labels = labels;
     expect_refused([&] { call({}); }, {"labels", "expected 8 ", "got 7"});
     labels.assign(8, 3);
-    input.labels = labels;
+    input.frame_time.labels = labels;
     expect_refused([&] { call({}); }, {"labels: expected 0..2, got 3"});
-    input.labels = {};
-    input.time = std::numeric_limits<double>::quiet_NaN();
+    input.frame_time.labels = {};
+    input.frame_time.time = std::numeric_limits<double>::quiet_NaN();
     expect_refused([&] { call({}); }, {"time: "});
-    input.time = 1.0;
-    input.next_positions = cloth.mesh.positions;
-    input.next_time = 1.0;
+    input.frame_time.time = 1.0;
+    input.frame_time.next_positions = cloth.mesh.positions;
+    input.frame_time.next_time = 1.0;
     expect_refused([&] { call({}); }, {"next_time: expected later than 1.0"});
     const std::vector<Vec3> two(18, Vec3(0.0f));
     const std::vector<double> backwards{1.0, 0.5};
-    expect_refused([&] { label_clip(cloth.model->base, *cloth.model, cloth.settings, backwards, two); },
-                   {"times: ", "frame 1 "});
+    expect_refused(
+        [&] { label_clip(cloth.model->base, cloth.model->triangles, cloth.settings.rest, backwards, two); },
+        {"times: ", "frame 1 "});
     expect_refused(
         [&] {
-            label_clip(cloth.model->base, *cloth.model, cloth.settings, backwards, std::span(two).first(17));
+            label_clip(cloth.model->base, cloth.model->triangles, cloth.settings.rest, backwards,
+                       std::span(two).first(17));
         },
         {"2 frames of 9 vertices", "got 17"});
 }
@@ -178,7 +189,8 @@ TEST(WrinklePathsInput, CollapsedTrianglesAreTolerated) {
 TEST(WrinklePathsInput, AClipOfOneFrameIsAllRest) {
     const PathCloth cloth(grid(2, 2, 0.1f));
     const std::vector<double> times{0.0};
-    EXPECT_EQ(label_clip(cloth.model->base, *cloth.model, cloth.settings, times, cloth.mesh.positions),
+    EXPECT_EQ(label_clip(cloth.model->base, cloth.model->triangles, cloth.settings.rest, times,
+                         cloth.mesh.positions),
               Labels(8, kRest));
 }
 

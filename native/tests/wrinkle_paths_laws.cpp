@@ -35,10 +35,10 @@ PathCloth sleeve() {
 TEST(WrinklePaths, AtRestThereAreNone) {
     for (const Reference reference : {Reference::kRestPose, Reference::kFirstFrame, Reference::kStaticRest}) {
         PathCloth cloth = sleeve();
-        cloth.settings.reference = reference;
+        cloth.settings.rest.reference = reference;
         const State state = cloth.play(0.3, [&](double) { return cloth.mesh.positions; });
         EXPECT_TRUE(state.paths.empty());
-        for (const std::uint8_t label : state.labels) EXPECT_EQ(label, kRest);
+        for (const std::uint8_t label : state.reference.labels) EXPECT_EQ(label, kRest);
     }
 }
 
@@ -80,7 +80,7 @@ TEST(WrinklePaths, OfASqueezedSheetRunAcrossTheCompression) {
 
 TEST(WrinklePaths, NeedTheThreshold) {
     PathCloth cloth(grid(10, 10, 0.03f));
-    cloth.settings.reference = Reference::kStaticRest;
+    cloth.settings.rest.reference = Reference::kStaticRest;
     EXPECT_TRUE(cloth.solve(cloth.squeezed(1.0f / 1.24f)).paths.empty());
     EXPECT_FALSE(cloth.solve(cloth.squeezed(1.0f / 1.26f)).paths.empty());
 }
@@ -88,7 +88,7 @@ TEST(WrinklePaths, NeedTheThreshold) {
 // Squeezed the same in both directions there is no direction to run in: the thesis would not seed, nor do we.
 TEST(WrinklePaths, OfAnEvenlyShrunkenSheetAreNone) {
     PathCloth cloth(grid(10, 10, 0.03f));
-    cloth.settings.reference = Reference::kStaticRest;
+    cloth.settings.rest.reference = Reference::kStaticRest;
     EXPECT_TRUE(cloth.solve(cloth.squeezed(0.6f, 0.6f)).paths.empty());
     EXPECT_FALSE(cloth.solve(cloth.squeezed(0.6f, 0.7f)).paths.empty());
 }
@@ -200,7 +200,7 @@ TEST(WrinklePaths, TheNumberingOfVerticesDoesNotMatter) {
     const State a = cloth.play(1.0, bend(cloth, 0.5f)), b = other.play(1.0, bend(other, 0.5f));
     ASSERT_FALSE(a.paths.empty());
     EXPECT_TRUE(same_bits(a.paths, b.paths));
-    EXPECT_EQ(a.labels, b.labels);
+    EXPECT_EQ(a.reference.labels, b.reference.labels);
 }
 
 TEST(WrinklePaths, ComeBackToNothingWhenTheClothIsStretchedOut) {
@@ -214,7 +214,7 @@ TEST(WrinklePaths, ComeBackToNothingWhenTheClothIsStretchedOut) {
 TEST(WrinklePaths, OfAGlitchOfOneFrameAreGoneAfterASecond) {
     for (const bool printed : {false, true}) {
         PathCloth cloth = sleeve();
-        if (printed) cloth.settings.smoothing = cloth.settings.growth_time = 0.0f;
+        if (printed) cloth.settings.smoothing = cloth.settings.rest.growth_time = 0.0f;
         size_t most = 0;
         const auto pose = [&](double t) {
             return std::abs(t - 0.5) < 0.01 ? cloth.squeezed(0.5f) : cloth.mesh.positions;
@@ -224,8 +224,9 @@ TEST(WrinklePaths, OfAGlitchOfOneFrameAreGoneAfterASecond) {
         // The smoothing keeps such folds from being born at all.
         EXPECT_EQ(most > 0, printed);
         EXPECT_TRUE(state.paths.empty());
-        for (size_t t = 0; t < state.reference.size(); ++t) {
-            const Stretch left = measure_stretch(cloth.model->rest[t], state.reference[t]);
+        for (size_t t = 0; t < state.reference.reference.size(); ++t) {
+            const Stretch left =
+                measure_stretch(cloth.model->triangles.rest[t], state.reference.reference[t]);
             EXPECT_LT(left.compression, 1.06f);
             EXPECT_LT(left.stretch, 1.06f);
         }
@@ -236,7 +237,7 @@ TEST(WrinklePaths, OfAGlitchOfOneFrameAreGoneAfterASecond) {
 // on.
 TEST(WrinklePaths, LiveOnBelowTauOnceTheyHaveRisen) {
     PathCloth cloth(grid(10, 10, 0.03f));
-    cloth.settings.reference = Reference::kStaticRest;
+    cloth.settings.rest.reference = Reference::kStaticRest;
     cloth.settings.smoothing = 0.0f;
     cloth.settings.fade = 0.15f;
     for (const auto& [seconds, stay] : {std::pair(0.1, false), std::pair(0.2, true)}) {
@@ -260,13 +261,13 @@ TEST(WrinklePaths, RiseAndSinkWithoutAJump) {
         return cloth.bent(2.0f * float(std::clamp(t < 1.0 ? 2.0 * t : 3.0 - 2.0 * t, 0.0, 1.0)), 0.5f);
     };
     cloth.play(1.8, pose, [&](const State& state, const Report& report) {
-        const std::vector<float> height = cloth.show(pose(state.time), state).height;
+        const std::vector<float> height = cloth.show(pose(state.reference.time), state).height;
         double jump = 0.0;
         for (size_t v = 0; v < before.size(); ++v) {
             highest = std::max(highest, height[v]);
             jump += std::abs(height[v] - before[v]) / double(before.size());
         }
-        EXPECT_LT(jump, 0.06 * cloth.settings.width) << state.time << " born " << report.born;
+        EXPECT_LT(jump, 0.06 * cloth.settings.width) << state.reference.time << " born " << report.born;
         before = height;
     });
     EXPECT_GT(highest, 0.2f * cloth.settings.width);
@@ -274,7 +275,7 @@ TEST(WrinklePaths, RiseAndSinkWithoutAJump) {
 
 TEST(WrinklePaths, GrowAndShrinkNoFasterThanTheLimit) {
     PathCloth cloth(grid(16, 16, 0.03f));
-    cloth.settings.reference = Reference::kStaticRest;
+    cloth.settings.rest.reference = Reference::kStaticRest;
     // A squeezed band that widens along y: folds along y grow with it.
     const auto pose = [&](double t) {
         return cloth.moved([=](const Vec3& p) {
@@ -285,7 +286,7 @@ TEST(WrinklePaths, GrowAndShrinkNoFasterThanTheLimit) {
     std::vector<std::pair<Index, float>> before;
     bool grew = false;
     cloth.play(0.5, pose, [&](const State& state, const Report&) {
-        const Pose stands = make_pose(*cloth.model, pose(state.time));
+        const Pose stands = make_pose(*cloth.model, pose(state.reference.time));
         const PathContext context{*cloth.model, stands, {}, {}, {}};
         std::vector<std::pair<Index, float>> now;
         for (const Path& path : state.paths) {
@@ -306,7 +307,7 @@ TEST(WrinklePaths, GrowAndShrinkNoFasterThanTheLimit) {
 
 TEST(WrinklePaths, TheSeedDecidesWhere) {
     PathCloth cloth(grid(10, 10, 0.03f));
-    cloth.settings.reference = Reference::kStaticRest;
+    cloth.settings.rest.reference = Reference::kStaticRest;
     const State a = cloth.solve(cloth.squeezed(0.7f));
     cloth.settings.seed = 1;
     EXPECT_FALSE(same_bits(a.paths, cloth.solve(cloth.squeezed(0.7f)).paths));
@@ -314,7 +315,7 @@ TEST(WrinklePaths, TheSeedDecidesWhere) {
 
 TEST(WrinklePaths, KeepAwayFromWhatIsMaskedAndFromHems) {
     PathCloth cloth(grid(12, 12, 0.03f));
-    cloth.settings.reference = Reference::kStaticRest;
+    cloth.settings.rest.reference = Reference::kStaticRest;
     Paint paint;
     for (const Vec3& p : cloth.mesh.positions) paint.mask.push_back(p.x < 0.18f ? 0.0f : 1.0f);
     const Pose3 pose = cloth.squeezed(0.7f);

@@ -60,7 +60,7 @@ struct BentSleeve {
         for (int f = 0; f <= 40; ++f) {
             pose = at(f / 30.0);
             input.positions = pose;
-            input.time = f / 30.0;
+            input.frame_time.time = f / 30.0;
             state = wrinkle_paths::solve(*model, settings, {}, input, make_pose(*model, pose),
                                          f ? &state : nullptr, report);
         }
@@ -134,7 +134,7 @@ TEST(PathPreview, TheStandInIsTheSmoothSurfaceAtTheVertices) {
 
 TEST(PathPreview, NeighboursCutTheirEdgeIntoTheSameParts) {
     const BentSleeve sleeve;
-    const auto& net = sleeve.model->net;
+    const auto& net = sleeve.model->triangles.net;
     const auto parts = [&](Index h) { return sleeve.drawing.parts[size_t(h / 3)].edges[size_t(h % 3)]; };
     for (Index h = 0; h < Index(net.twin.size()); ++h) {
         EXPECT_TRUE(std::has_single_bit(unsigned(parts(h))));
@@ -147,7 +147,7 @@ TEST(PathPreview, NeighboursCutTheirEdgeIntoTheSameParts) {
 
 TEST(PathPreview, TrianglesAreCutSmallEnoughWhereFoldsAreAndOnlyThere) {
     const BentSleeve sleeve(AttachmentKind::kLinear);
-    const auto& net = sleeve.model->net;
+    const auto& net = sleeve.model->triangles.net;
     Index cut = 0;
     for (Index t = 0; t < net.triangles(); ++t) {
         const auto& parts = sleeve.drawing.parts[size_t(t)];
@@ -174,7 +174,7 @@ TEST(PathPreview, TrianglesAreCutSmallEnoughWhereFoldsAreAndOnlyThere) {
 
 TEST(PathPreview, BothSidesOfAnEdgeHaveTheSamePoints) {
     const BentSleeve sleeve;
-    const auto& net = sleeve.model->net;
+    const auto& net = sleeve.model->triangles.net;
     float highest = 0.0f;
     for (Index h = 0; h < Index(net.twin.size()); ++h) {
         if (net.twin[h] == kNone) continue;
@@ -195,7 +195,7 @@ TEST(PathPreview, BothSidesOfAnEdgeHaveTheSamePoints) {
 TEST(PathPreview, TheNormalOfOneFoldIsSquareToIt) {
     const BentSleeve sleeve;
     int seen = 0;
-    for (Index t = 0; t < sleeve.model->net.triangles(); ++t) {
+    for (Index t = 0; t < sleeve.model->triangles.net.triangles(); ++t) {
         const auto& lists = sleeve.drawing.lists;
         const SurfacePoint place{t, 0.3f, 0.4f};
         const Drawn drawn = sleeve.at(place);

@@ -84,8 +84,8 @@ struct StraightFold : PathCloth {
         pose = squeezed(1.0f / 1.4f);
         state = solve(pose);
         const Pose flat = make_pose(*model, pose);
-        const PathContext context =
-            make_context(*model, settings, {}, flat, flat.shapes, model->rest, std::vector<Stretch>(32));
+        const PathContext context = make_context(*model, settings, {}, flat, flat.base.shapes,
+                                                 model->triangles.rest, std::vector<Stretch>(32));
         for (Index t = 0; t < 32; ++t) {
             const glm::dvec2 at = context.to_flat(t, {x, 0.02f, 0}), u1 = context.corner(t, 1),
                              u2 = context.corner(t, 2);
@@ -180,7 +180,7 @@ TEST(PathShow, AFoldFollowsTheCompressionAlongIt) {
 
 TEST(PathShow, TurnsFoldsToTheSideAskedFor) {
     PathCloth cloth(grid(8, 8, 0.03f), 3);
-    cloth.settings.reference = Reference::kStaticRest;
+    cloth.settings.rest.reference = Reference::kStaticRest;
     const Pose3 pose = cloth.squeezed(0.7f);
     const State state = cloth.solve(pose);
     const auto range = [&](Direction direction, float height) {
@@ -218,7 +218,7 @@ TEST(PathShow, ListsMissNoPieceThatReachesATriangle) {
     PathCloth cloth(shaken(triangulated(grid(10, 10, 0.03f)), 0.004f, 2), 2);
     for (Vec3& p : cloth.mesh.positions) p.z = 0.0f;
     cloth = PathCloth(cloth.mesh, 2);
-    cloth.settings.reference = Reference::kStaticRest;
+    cloth.settings.rest.reference = Reference::kStaticRest;
     const Pose3 pose = cloth.squeezed(0.7f);
     const State state = cloth.solve(pose);
     ASSERT_GT(state.paths.size(), 3u);
@@ -244,12 +244,12 @@ TEST(PathShow, ListsMissNoPieceThatReachesATriangle) {
 
 TEST(PathShow, ListsAreSortedAndWhole) {
     PathCloth cloth(tube(16, 14, 0.06f, 0.5f));
-    cloth.settings.reference = Reference::kStaticRest;
+    cloth.settings.rest.reference = Reference::kStaticRest;
     const Pose3 pose = cloth.bent(2.0f, 0.5f);
     const State state = cloth.solve(pose);
     const TriangleLists lists =
         build_triangle_lists(*cloth.model, cloth.settings, make_pose(*cloth.model, pose), state);
-    ASSERT_EQ(lists.triangle_start.size(), size_t(cloth.model->net.triangles()) + 1);
+    ASSERT_EQ(lists.triangle_start.size(), size_t(cloth.model->triangles.net.triangles()) + 1);
     EXPECT_EQ(size_t(lists.triangle_start.back()), lists.ranges.size());
     const Curves lines = cloth.curves(pose, state);
     ASSERT_EQ(lists.ends.size(), lines.positions.size());
@@ -271,7 +271,7 @@ TEST(PathShow, ListsAreSortedAndWhole) {
 // folds stay as they are, and so do ends.
 TEST(PathShow, SmoothsWhatIsShorterThanTheWidth) {
     PathCloth cloth(grid(4, 24, 0.01f));  // squeezed to 7 mm by 10 mm, folds of 20 mm
-    cloth.settings.reference = Reference::kStaticRest;
+    cloth.settings.rest.reference = Reference::kStaticRest;
     const Pose3 pose = cloth.squeezed(0.7f);
     State state = cloth.solve(pose);
     ASSERT_FALSE(state.paths.empty());

@@ -72,8 +72,8 @@ TEST(PathWalk, TurnsWithTheCompressionOverAFoldedEdge) {
         if (p.y > 2.0f) p = Vec3(p.x, 2.0f, p.y - 2.0f);
     }
     const Pose pose = make_pose(*cloth.model, folded);
-    const PathContext context = make_context(*cloth.model, cloth.settings, {}, pose, pose.shapes,
-                                             cloth.model->rest, std::vector<Stretch>(32));
+    const PathContext context = make_context(*cloth.model, cloth.settings, {}, pose, pose.base.shapes,
+                                             cloth.model->triangles.rest, std::vector<Stretch>(32));
     WalkLimits limits;
     limits.compression = 1.5f;
     limits.length = 100.0f;

@@ -65,13 +65,14 @@ class BandedSquares {
 
 dvec3 edge_vector(const Model& model, const std::vector<Vec3>& positions, const PathPoint& p) {
     const Index h = half_edge(p);
-    return dvec3(positions[model.net.vertex[next_in_triangle(h)]]) - dvec3(positions[model.net.vertex[h]]);
+    return dvec3(positions[model.triangles.net.vertex[next_in_triangle(h)]]) -
+           dvec3(positions[model.triangles.net.vertex[h]]);
 }
 
 // The rotation of a triangle between two poses: the rotation of its deformation (polar decomposition). So a
 // pure compression, which turns every edge, gives no rotation.
 glm::dmat3 turn_of(const Pose& before, const Pose& now, Index t) {
-    const glm::dvec2 turn = rotation(before.shapes[t], now.shapes[t]);
+    const glm::dvec2 turn = rotation(before.base.shapes[t], now.base.shapes[t]);
     const double c = turn.x, s = turn.y;
     const auto frame = [](const TriangleFrame& f) { return glm::dmat3(f.tangent, f.bitangent, f.normal); };
     return frame(now.frames[t]) * glm::dmat3(c, s, 0, -s, c, 0, 0, 0, 1) *
@@ -82,7 +83,7 @@ glm::dmat3 turn_of(const Pose& before, const Pose& now, Index t) {
 glm::dmat3 turn_at(const Model& model, const Pose& before, const Pose& now, const PathPoint& p) {
     const glm::dmat3 turn = turn_of(before, now, p.triangle);
     if (p.edge == kNone) return turn;
-    return 0.5 * (turn + turn_of(before, now, triangle_of(model.net.twin[half_edge(p)])));
+    return 0.5 * (turn + turn_of(before, now, triangle_of(twin_of(model, p))));
 }
 
 // p_i - (p_i-1 + p_i+1) / 2, with p_-1 = p_1 and p_n+1 = p_n-1.
@@ -99,7 +100,7 @@ std::vector<double> slide(const PathContext& context, const Pose& before, const 
     const std::vector<Vec3> now = positions(context, points), then = positions(stood, points);
     const size_t last = points.size() - 1;
     std::vector<dvec3> edge(points.size(), dvec3(0.0));  // dp_i / dt_i; the ends do not move on the cloth
-    for (size_t i = 1; i < last; ++i) edge[i] = edge_vector(model, context.pose.positions, points[i]);
+    for (size_t i = 1; i < last; ++i) edge[i] = edge_vector(model, context.pose.base.positions, points[i]);
     const auto unknown = [](size_t i) { return static_cast<Index>(i) - 1; };
 
     BandedSquares squares(last - 1);
@@ -134,13 +135,14 @@ std::vector<double> slide(const PathContext& context, const Pose& before, const 
 
 // Whether a half-edge starts or ends at a vertex.
 bool touches(const Model& model, Index half_edge, Index vertex) {
-    return model.net.vertex[half_edge] == vertex || model.net.vertex[next_in_triangle(half_edge)] == vertex;
+    return model.triangles.net.vertex[half_edge] == vertex ||
+           model.triangles.net.vertex[next_in_triangle(half_edge)] == vertex;
 }
 
 // The other one of the triangle's two half-edges at a vertex.
 Index other_spoke(const Model& model, Index half_edge, Index vertex) {
-    return model.net.vertex[half_edge] == vertex ? previous_in_triangle(half_edge)
-                                                 : next_in_triangle(half_edge);
+    return model.triangles.net.vertex[half_edge] == vertex ? previous_in_triangle(half_edge)
+                                                           : next_in_triangle(half_edge);
 }
 
 // The spokes around a vertex from one triangle to another, starting away from half-edge `not_by` of the
@@ -150,7 +152,7 @@ bool spokes_between(const Model& model, Index vertex, Index not_by, Index to_tri
     Index h = other_spoke(model, not_by, vertex);
     while (triangle_of(h) != to_triangle) {
         spokes.push_back(h);
-        const Index twin = model.net.twin[h];
+        const Index twin = model.triangles.net.twin[h];
         if (twin == kNone || spokes.size() > 64) return false;
         h = other_spoke(model, twin, vertex);
     }
@@ -162,9 +164,9 @@ bool spokes_between(const Model& model, Index vertex, Index not_by, Index to_tri
 // passed it.
 void place_on_spokes(const PathContext& context, Index vertex, const Vec3& before, const Vec3& after,
                      double beyond, const std::vector<Index>& spokes, Points& out) {
-    const dvec3 centre(context.pose.positions[vertex]);
+    const dvec3 centre(context.pose.base.positions[vertex]);
     const auto ray = [&](Index h) {
-        const Index tip = context.model.net.vertex[h] == vertex ? next_in_triangle(h) : h;
+        const Index tip = context.model.triangles.net.vertex[h] == vertex ? next_in_triangle(h) : h;
         return dvec3(context.vertex(tip)) - centre;
     };
     const auto angle = [](const dvec3& a, const dvec3& b) {
@@ -190,15 +192,15 @@ void place_on_spokes(const PathContext& context, Index vertex, const Vec3& befor
         }
         const double fraction =
             std::clamp(radius / std::max(glm::length(ray(h)), 1e-30), kEdgeMargin, 1.0 - kEdgeMargin);
-        const bool outwards = context.model.net.vertex[h] == vertex;
+        const bool outwards = context.model.triangles.net.vertex[h] == vertex;
         out.push_back({triangle_of(h), h % 3, Vec2(float(outwards ? fraction : 1.0 - fraction), 0.0f)});
     }
 }
 
 // The distance of a point from a vertex of its edge, negative if it has passed the vertex.
 double distance_from(const PathContext& context, const PathPoint& p, Index vertex) {
-    const bool from = context.model.net.vertex[half_edge(p)] == vertex;
-    return glm::length(edge_vector(context.model, context.pose.positions, p)) *
+    const bool from = context.model.triangles.net.vertex[half_edge(p)] == vertex;
+    return glm::length(edge_vector(context.model, context.pose.base.positions, p)) *
            (from ? p.at.x : 1.0 - p.at.x);
 }
 
@@ -207,7 +209,7 @@ double distance_from(const PathContext& context, const PathPoint& p, Index verte
 void pass_vertex(const PathContext& context, Points& points, size_t i) {
     const Model& model = context.model;
     const Index h = half_edge(points[i]);
-    const Index vertex = model.net.vertex[points[i].at.x < 0.0f ? h : next_in_triangle(h)];
+    const Index vertex = model.triangles.net.vertex[points[i].at.x < 0.0f ? h : next_in_triangle(h)];
     size_t first = i, last = i;  // consecutive points on edges at this vertex
     while (first > 1 && touches(model, half_edge(points[first - 1]), vertex)) --first;
     while (last + 2 < points.size() && touches(model, half_edge(points[last + 1]), vertex)) ++last;
@@ -215,7 +217,7 @@ void pass_vertex(const PathContext& context, Points& points, size_t i) {
     for (size_t k = first; k <= last; ++k)
         side += distance_from(context, points[k], vertex) / double(last - first + 1);
     std::vector<Index> spokes;
-    const Index to = triangle_of(model.net.twin[half_edge(points[last])]);
+    const Index to = triangle_of(twin_of(model, points[last]));
     if (side > 0.0 || !spokes_between(model, vertex, half_edge(points[first]), to, spokes)) {
         points[i].at.x = float(std::clamp(double(points[i].at.x), kEdgeMargin, 1.0 - kEdgeMargin));
         return;
@@ -230,7 +232,7 @@ void pass_vertex(const PathContext& context, Points& points, size_t i) {
 // Removes pairs of points where a path crosses an edge and directly returns.
 void drop_returns(const Model& model, Points& points) {
     for (size_t i = 1; i + 2 < points.size();) {
-        if (model.net.twin[half_edge(points[i])] != half_edge(points[i + 1])) {
+        if (twin_of(model, points[i]) != half_edge(points[i + 1])) {
             ++i;
             continue;
         }
@@ -249,7 +251,7 @@ void follow(const PathContext& context, const Pose& before, const Settings& sett
     for (size_t i = 0; i < change.size(); ++i)
         lengths.push_back(
             float(std::abs(change[i]) *
-                  glm::length(edge_vector(context.model, context.pose.positions, points[i + 1]))));
+                  glm::length(edge_vector(context.model, context.pose.base.positions, points[i + 1]))));
     // If all movements are too small to be visible, nothing moves, so that a standing figure stays the same
     // to the bit.
     const bool still = *std::max_element(lengths.begin(), lengths.end()) < kStill * settings.width;

@@ -20,7 +20,7 @@ float quality_of(const FlatTriangle& t) {
 
 void sort_by_triangle(Model& model) {
     const std::vector<SurfacePoint>& places = model.attachments.places;
-    model.fine_start.assign(model.rest.size() + 1, 0);
+    model.fine_start.assign(model.triangles.rest.size() + 1, 0);
     for (const SurfacePoint& place : places) ++model.fine_start[place.triangle + 1];
     std::partial_sum(model.fine_start.begin(), model.fine_start.end(), model.fine_start.begin());
     model.fine_vertex.resize(places.size());
@@ -41,7 +41,7 @@ std::vector<Index> rings_over(const Surface& surface, const TriangleNet& net) {
 
 void check(const Settings& s) {
     constexpr double kMost = 1e6;
-    check_reference(s);
+    check_reference(s.rest);
     expect_within("smoothing", s.smoothing, 0.0, 10.0);
     expect_above("threshold", s.threshold, 1.0, kMost);
     expect_within("reach", s.reach, 0.0, 1.0);
@@ -59,9 +59,9 @@ void check(const Settings& s) {
 std::shared_ptr<const Model> build(Surface base, const FineSource& source, AttachmentKind attachment) {
     auto model = std::make_shared<Model>();
     model->base = std::move(base);
-    static_cast<ReferenceModel&>(*model) = build_reference(model->base);
-    for (const FlatTriangle& t : model->rest) model->quality.push_back(quality_of(t));
-    model->border_ring = rings_over(model->base, model->net);
+    model->triangles = build_reference(model->base);
+    for (const FlatTriangle& t : model->triangles.rest) model->quality.push_back(quality_of(t));
+    model->border_ring = rings_over(model->base, model->triangles.net);
     const FineMesh fine = refine(model->base, source);
     model->attachments = attach_refined(model->base, source, fine, attachment);
     if (attachment == AttachmentKind::kLimit) model->vertex_limit = limit_of_all_vertices(model->base);

@@ -17,18 +17,18 @@ Pose make_pose(const Model& model, std::span<const Vec3> positions) {
 }
 
 Pose make_welded_pose(const Model& model, std::vector<Vec3> welded) {
-    Pose pose{flat_pose(model.net, std::move(welded)), {}, 0};
-    pose.frames = triangle_frames(model.base, pose.positions);
-    for (const FlatTriangle& shape : pose.shapes) pose.collapsed += !shape.has_area();
+    Pose pose{flat_pose(model.triangles.net, std::move(welded)), {}, 0};
+    pose.frames = triangle_frames(model.base, pose.base.positions);
+    for (const FlatTriangle& shape : pose.base.shapes) pose.collapsed += !shape.has_area();
     return pose;
 }
 
 std::vector<Stretch> stretches(const Model& model, const State& state,
                                std::span<const Vec3> welded_positions) {
-    const FlatPose pose = flat_pose(model.net, {welded_positions.begin(), welded_positions.end()});
+    const FlatPose pose = flat_pose(model.triangles.net, {welded_positions.begin(), welded_positions.end()});
     std::vector<Stretch> out;
     for (size_t t = 0; t < pose.shapes.size(); ++t)
-        out.push_back(measure_stretch(state.reference[t], pose.shapes[t]));
+        out.push_back(measure_stretch(state.reference.reference[t], pose.shapes[t]));
     return out;
 }
 
@@ -37,8 +37,9 @@ float hem_weight(const Model& model, const Settings& settings, Index vertex) {
 }
 
 float hem_weight(const Model& model, const Settings& settings, const SurfacePoint& place) {
-    return place.interpolate(
-        [&](Index k) { return hem_weight(model, settings, model.net.vertex[3 * place.triangle + k]); });
+    return place.interpolate([&](Index k) {
+        return hem_weight(model, settings, model.triangles.net.vertex[3 * place.triangle + k]);
+    });
 }
 
 namespace {
@@ -47,17 +48,17 @@ namespace {
 float share_with_place(const Model& model, const std::vector<SpareCloth>& spare, Index triangle,
                        const Vec3& across) {
     if (spare.empty()) return 1.0f;
-    const auto at = [&](Index k) { return spare[model.net.vertex[3 * triangle + k]]; };
+    const auto at = [&](Index k) { return spare[model.triangles.net.vertex[3 * triangle + k]]; };
     return 1.0f - (at(0) + at(1) + at(2)).share_without_place(across);
 }
 
 // The direction painted for every triangle, in the plane of its shape in this pose (u1 along x), length 0..1.
 std::vector<Vec2> asked_along(const Model& model, const Paint& paint, const Pose& pose) {
-    std::vector<Vec2> out(paint.along.empty() ? 0 : model.rest.size(), Vec2(0.0f));
+    std::vector<Vec2> out(paint.along.empty() ? 0 : model.triangles.rest.size(), Vec2(0.0f));
     for (size_t t = 0; t < out.size(); ++t) {
-        const FlatTriangle &rest = model.rest[t], &now = pose.shapes[t];
+        const FlatTriangle &rest = model.triangles.rest[t], &now = pose.base.shapes[t];
         if (!rest.has_area() || !now.has_area()) continue;
-        const auto vertex = [&](size_t k) { return model.net.vertex[3 * t + k]; };
+        const auto vertex = [&](size_t k) { return model.triangles.net.vertex[3 * t + k]; };
         Vec3 sum(0.0f);
         for (size_t k = 0; k < 3; ++k) {
             const Vec3& asked = paint.along[model.base.representative[vertex(k)]];
@@ -96,11 +97,11 @@ PathContext make_context(const Model& model, const Settings& settings, const Pai
     PathContext context{model, pose, {}, {}, {}};
     std::vector<SpareCloth> spare;
     if (settings.bend_radius > 0.0f)
-        spare = spare_cloth(model.base, model.bent_lines, pose.positions, settings.bend_radius);
+        spare = spare_cloth(model.base, model.bent_lines, pose.base.positions, settings.bend_radius);
     const std::vector<Vec2> along = asked_along(model, paint, pose);
     for (size_t t = 0; t < reference.size(); ++t) {
-        context.stretch.push_back(pose.shapes[t].has_area() ? measure_stretch(reference[t], shapes[t])
-                                                            : Stretch{});
+        context.stretch.push_back(pose.base.shapes[t].has_area() ? measure_stretch(reference[t], shapes[t])
+                                                                 : Stretch{});
         if (!along.empty()) turn_along(along[t], context.stretch[t]);
         float mask = 0.0f;
         for (const Index corner : model.base.triangles[t].corner) {
@@ -125,7 +126,7 @@ PathContext make_context(const Model& model, const Settings& settings, const Pai
 
 std::vector<FlatTriangle> smoothed_shapes(const Settings& settings, double seconds, const State* state,
                                           const Pose& pose) {
-    std::vector<FlatTriangle> shapes = pose.shapes;
+    std::vector<FlatTriangle> shapes = pose.base.shapes;
     if (!state) return shapes;
     const float fraction = fraction_of(seconds, settings.smoothing);
     for (size_t t = 0; t < shapes.size(); ++t) shapes[t] = between(state->shapes[t], shapes[t], fraction);

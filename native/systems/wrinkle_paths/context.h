@@ -24,10 +24,10 @@ struct PathContext {
 
     // Corners of a triangle in its plane: (0, 0), u1, u2.
     glm::dvec2 corner(Index triangle, Index k) const {
-        const FlatTriangle& shape = pose.shapes[triangle];
+        const FlatTriangle& shape = pose.base.shapes[triangle];
         return k == 0 ? glm::dvec2(0.0) : k == 1 ? glm::dvec2(shape.x1, 0.0) : glm::dvec2(shape.x2, shape.y2);
     }
-    Vec3 vertex(Index half_edge) const { return pose.positions[model.net.vertex[half_edge]]; }
+    Vec3 vertex(Index half_edge) const { return pose.base.positions[model.triangles.net.vertex[half_edge]]; }
     Vec3 to_object(Index triangle, const glm::dvec2& at) const {
         const TriangleFrame& frame = pose.frames[triangle];
         return vertex(3 * triangle) + float(at.x) * frame.tangent + float(at.y) * frame.bitangent;
@@ -55,9 +55,14 @@ inline Index half_edge(const PathPoint& p) {
     return 3 * p.triangle + p.edge;
 }
 
+// The half-edge of the same edge in the triangle beyond it; kNone at an open border.
+inline Index twin_of(const Model& model, const PathPoint& p) {
+    return model.triangles.net.twin[half_edge(p)];
+}
+
 // The triangle of the segment from points[i] to points[i + 1].
 inline Index segment_triangle(const Model& model, const std::vector<PathPoint>& points, size_t i) {
-    return points[i].edge == kNone ? points[i].triangle : triangle_of(model.net.twin[half_edge(points[i])]);
+    return points[i].edge == kNone ? points[i].triangle : triangle_of(twin_of(model, points[i]));
 }
 
 // 0 at open borders, 1 from settings.hem_rings rings on. Factor on compression and height.

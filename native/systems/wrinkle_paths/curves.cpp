@@ -18,7 +18,7 @@ constexpr int kMostSteps = 32;
 
 // Barycentric weights of a point projected to the plane of a triangle.
 Vec3 weights_of(const PathContext& context, Index triangle, const Vec3& p) {
-    const FlatTriangle& shape = context.pose.shapes[triangle];
+    const FlatTriangle& shape = context.pose.base.shapes[triangle];
     if (!shape.has_area()) return {1.0f, 0.0f, 0.0f};
     const glm::dvec2 at = context.to_flat(triangle, p);
     const double v = at.y / shape.y2, u = (at.x - v * shape.x2) / shape.x1;
@@ -33,7 +33,7 @@ SurfacePoint place_of(const PathContext& context, Index triangle, const Vec3& p)
         const Index least =
             weights.x < weights.y ? (weights.x < weights.z ? 0 : 2) : (weights.y < weights.z ? 1 : 2);
         if (weights[least] >= 0.0f) break;
-        const Index twin = context.model.net.twin[next_in_triangle(3 * triangle + least)];
+        const Index twin = context.model.triangles.net.twin[next_in_triangle(3 * triangle + least)];
         if (twin == kNone) break;
         triangle = triangle_of(twin);
         weights = weights_of(context, triangle, p);
@@ -50,16 +50,19 @@ struct SmoothBase {
     std::vector<Vec3> normals, vertices;
 
     SmoothBase(const Model& of, const Pose& at)
-        : model(of), pose(at), normals(vertex_normals(of.base, at.positions)), vertices(at.positions) {
+        : model(of),
+          pose(at),
+          normals(vertex_normals(of.base, at.base.positions)),
+          vertices(at.base.positions) {
         if (model.attachments.kind == AttachmentKind::kLimit)
-            apply<Vec3>(model.vertex_limit, pose.positions, vertices);
+            apply<Vec3>(model.vertex_limit, pose.base.positions, vertices);
     }
     Vec3 at(const SurfacePoint& place) const {
         if (model.attachments.kind == AttachmentKind::kLinear)
-            return interpolate(model.base, place, pose.positions);
+            return interpolate(model.base, place, pose.base.positions);
         Vec3 corner[3], normal[3];
         for (Index k = 0; k < 3; ++k) {
-            const Index v = model.net.vertex[3 * place.triangle + k];
+            const Index v = model.triangles.net.vertex[3 * place.triangle + k];
             corner[k] = vertices[v];
             normal[k] = normals[v];
         }
@@ -75,6 +78,7 @@ struct SmoothBase {
 RidingCurves ride(const Model& model, const Settings& settings, const Pose& pose, const State& state,
                   std::span<const Vec3> animated) {
     RidingCurves out{curves(model, settings, pose, state), {}, {}, {}};
+    Curves& crests = out.curves;
     std::optional<Pose> moved;
     if (!animated.empty()) {
         check_frame(model.base, animated, "animated");
@@ -83,13 +87,13 @@ RidingCurves ride(const Model& model, const Settings& settings, const Pose& pose
     const Pose& ridden = moved ? *moved : pose;
     const PathContext context{model, pose, {}, {}, {}};
     const SmoothBase smooth(model, pose);
-    for (size_t i = 0; i < out.positions.size(); ++i) {
-        const SurfacePoint place = place_of(context, out.triangle[i], out.positions[i]);
-        out.height[i] *= hem_weight(model, settings, place);
-        out.positions[i] = smooth.at(place) + out.height[i] * smooth.normal_at(place);
+    for (size_t i = 0; i < crests.positions.size(); ++i) {
+        const SurfacePoint place = place_of(context, crests.triangle[i], crests.positions[i]);
+        crests.height[i] *= hem_weight(model, settings, place);
+        crests.positions[i] = smooth.at(place) + crests.height[i] * smooth.normal_at(place);
         out.weights.push_back({place.b0, place.b1});
         out.local_offset.push_back(ridden.frames[place.triangle].to_local(
-            out.positions[i] - interpolate(model.base, place, ridden.positions)));
+            crests.positions[i] - interpolate(model.base, place, ridden.base.positions)));
         std::array<Index, 3> corners;
         for (Index k = 0; k < 3; ++k)
             corners[k] = model.base.display.corner_vertex[model.base.triangles[place.triangle].corner[k]];
@@ -99,13 +103,14 @@ RidingCurves ride(const Model& model, const Settings& settings, const Pose& pose
 }
 
 std::vector<Ellipse> ellipses(const Model& model, const Pose& pose, const State& state, float size) {
-    check_reference(model.base, state);
-    std::vector<Ellipse> out(model.rest.size());
+    check_reference(model.base, state.reference);
+    std::vector<Ellipse> out(model.triangles.rest.size());
     for (size_t t = 0; t < out.size(); ++t) {
-        const Index* v = &model.net.vertex[3 * t];
-        out[t].centre = (pose.positions[v[0]] + pose.positions[v[1]] + pose.positions[v[2]]) / 3.0f;
-        const FlatTriangle& reference = state.reference[t];
-        const Stretch stretch = measure_stretch(reference, pose.shapes[t]);
+        const Index* v = &model.triangles.net.vertex[3 * t];
+        out[t].centre =
+            (pose.base.positions[v[0]] + pose.base.positions[v[1]] + pose.base.positions[v[2]]) / 3.0f;
+        const FlatTriangle& reference = state.reference.reference[t];
+        const Stretch stretch = measure_stretch(reference, pose.base.shapes[t]);
         if (!stretch.defined) continue;
         const float around = reference.x1 + elementary::hypot(reference.x2, reference.y2) +
                              elementary::hypot(reference.x2 - reference.x1, reference.y2);

@@ -9,9 +9,10 @@ namespace rumple::wrinkle_paths {
 
 // Curves on the crests of the folds, embedded in the posed base, so that they follow any pose of it:
 //     position = p0 + u (p1 - p0) + v (p2 - p0) + t o.x + b o.y + n o.z
-// with the frame of a shown mesh's local offset. `positions` and `height` are those of the crests, with faded
-// hems.
-struct RidingCurves : Curves {
+// with the frame of a shown mesh's local offset. `positions` and `height` of `curves` are those of the
+// crests, with faded hems.
+struct RidingCurves {
+    Curves curves;
     std::vector<std::array<Index, 3>> corners;  // per point: display vertices of the base
     std::vector<Vec2> weights;                  // u, v; 0 in a triangle without area
     std::vector<Vec3> local_offset;             // o, object units

@@ -16,7 +16,7 @@ class TriangleFlood {
     // which crosses(a, b) is true. Stops if found() returns true. Returns whether it did.
     template <typename Crosses, typename Found>
     bool visit(Index triangle, const Crosses& crosses, const Found& found) {
-        if (seen_.empty()) seen_.assign(context_.model.rest.size(), 0);
+        if (seen_.empty()) seen_.assign(context_.model.triangles.rest.size(), 0);
         front_.assign(1, triangle);
         seen_[triangle] = ++query_;
         while (!front_.empty()) {
@@ -24,7 +24,7 @@ class TriangleFlood {
             front_.pop_back();
             if (found(t)) return true;
             for (Index h = 3 * t; h < 3 * t + 3; ++h) {
-                const Index twin = context_.model.net.twin[h];
+                const Index twin = context_.model.triangles.net.twin[h];
                 if (twin == kNone || seen_[triangle_of(twin)] == query_) continue;
                 if (!crosses(context_.vertex(h), context_.vertex(next_in_triangle(h)))) continue;
                 seen_[triangle_of(twin)] = query_;

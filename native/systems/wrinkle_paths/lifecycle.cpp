@@ -81,7 +81,7 @@ bool lengthen(const PathContext& context, const Settings& settings, const Segmen
 // Returns whether the end has moved.
 bool update_end(const PathContext& context, const Settings& settings, const SegmentMap& map, float most,
                 std::vector<PathPoint>& points, bool& crosses) {
-    if (!context.pose.shapes[points.back().triangle].has_area()) return false;
+    if (!context.pose.base.shapes[points.back().triangle].has_area()) return false;
     const float cut = std::min(surplus(context, settings, map, points, crosses), most);
     if (cut <= 0.0f) return lengthen(context, settings, map, most, points);
     if (cut < kStill * settings.width) return false;

@@ -29,9 +29,9 @@ bool has_folds(const TriangleLists& lists, Index triangle) {
 // The number of parts of an edge. It is equal for both half-edges, because it is computed from the lower
 // vertex to the higher one.
 Index parts_of_edge(const Model& model, const Settings& settings, const Drawing& drawing, Index half_edge) {
-    const auto [a, b] =
-        std::minmax(model.net.vertex[half_edge], model.net.vertex[next_in_triangle(half_edge)]);
-    const Index twin = model.net.twin[half_edge];
+    const auto [a, b] = std::minmax(model.triangles.net.vertex[half_edge],
+                                    model.triangles.net.vertex[next_in_triangle(half_edge)]);
+    const Index twin = model.triangles.net.twin[half_edge];
     if (has_folds(drawing.lists, triangle_of(half_edge)) &&
         (twin == kNone || has_folds(drawing.lists, triangle_of(twin)))) {
         const float longest = kFoldedEdge * settings.width;
@@ -46,8 +46,8 @@ Index parts_of_edge(const Model& model, const Settings& settings, const Drawing&
 }
 
 std::vector<Parts> cut(const Model& model, const Settings& settings, const Drawing& drawing) {
-    std::vector<Parts> parts(size_t(model.net.triangles()));
-    for (Index t = 0; t < model.net.triangles(); ++t) {
+    std::vector<Parts> parts(size_t(model.triangles.net.triangles()));
+    for (Index t = 0; t < model.triangles.net.triangles(); ++t) {
         for (Index k = 0; k < 3; ++k) {
             parts[t].edges[k] = parts_of_edge(model, settings, drawing, 3 * t + k);
             parts[t].triangle = std::max(parts[t].triangle, parts[t].edges[k]);
@@ -77,7 +77,7 @@ Drawing draw(const Model& model, const Settings& settings, const Input& input, c
     drawing.lists = build_triangle_lists(model, settings, pose, state);
     const Surface& base = model.base;
     const size_t vertices = size_t(base.welded.vertex_count);
-    drawing.flat = pose.positions;
+    drawing.flat = pose.base.positions;
     drawing.smooth = drawing.flat;
     drawing.normal = vertex_normals(base, drawing.flat);
     drawing.curved = model.attachments.kind != AttachmentKind::kLinear;
@@ -96,7 +96,7 @@ Drawn drawn_at(const Model& model, const Settings& settings, const Drawing& draw
     Vec3 p[3], n[3];
     float hem[3];
     for (Index k = 0; k < 3; ++k) {
-        const Index v = model.net.vertex[3 * place.triangle + k];
+        const Index v = model.triangles.net.vertex[3 * place.triangle + k];
         p[k] = drawing.smooth[v];
         n[k] = float(drawing.curved) * drawing.normal[v];
         hem[k] = drawing.hem[v];

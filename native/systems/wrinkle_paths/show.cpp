@@ -89,7 +89,7 @@ TriangleLists build_triangle_lists(const PathContext& context, const Settings& s
         }
         out.ends.insert(out.ends.end(), fold.ends.begin(), fold.ends.end());
     }
-    sort_by_triangle(reached, context.model.net.triangles(), out);
+    sort_by_triangle(reached, context.model.triangles.net.triangles(), out);
     return out;
 }
 
@@ -155,7 +155,7 @@ void fine_heights(const PathContext& context, const Settings& settings, const Tr
         for (Index k = model.fine_start[t]; k < model.fine_start[t + 1]; ++k) {
             const Index v = model.fine_vertex[k];
             const SurfacePoint& place = model.attachments.places[v];
-            const Vec3 p = interpolate(model.base, place, context.pose.positions);
+            const Vec3 p = interpolate(model.base, place, context.pose.base.positions);
             height[v] = height_at(lists, balls, pieces, settings.profile, p);
             if (height[v] != 0.0f) height[v] *= hem_weight(model, settings, place);
         }
@@ -172,14 +172,14 @@ struct Lifted {
 // Every fine vertex is in one triangle, so no two threads write the same one.
 Lifted lift(const PathContext& context, const Settings& settings, const TriangleLists& lists) {
     const Model& model = context.model;
-    const std::vector<Vec3>& base = context.pose.positions;
+    const std::vector<Vec3>& base = context.pose.base.positions;
     const size_t vertices = model.attachments.places.size();
     Lifted out{std::vector<float>(vertices, 0.0f), std::vector<Vec3>(vertices, Vec3(0.0f)),
                std::vector<Vec3>(vertices)};
     const std::vector<Vec3> normals = vertex_normals(model.base, base);
     const std::vector<Ball> balls = balls_around(lists.ends);
     const SolveTeam team(settings.threads, vertices, kVerticesForThreads);
-    for_each_part(model.rest.size(), kLeastSearches, [&](size_t begin, size_t end) {
+    for_each_part(model.triangles.rest.size(), kLeastSearches, [&](size_t begin, size_t end) {
         fine_heights(context, settings, lists, balls, {begin, end}, out.height);
     });
     attach(model.base, model.attachments, base, normals, out.positions);
@@ -195,8 +195,9 @@ Lifted lift(const PathContext& context, const Settings& settings, const Triangle
 PathContext shown_context(const Model& model, const Settings& settings, const Pose& pose,
                           const State& state) {
     check(settings);
-    expect_count("state.compression", state.compression.size(), model.rest.size(), "triangles");
-    if (!state.width.empty()) expect_count("state.width", state.width.size(), model.rest.size(), "triangles");
+    expect_count("state.compression", state.compression.size(), model.triangles.rest.size(), "triangles");
+    if (!state.width.empty())
+        expect_count("state.width", state.width.size(), model.triangles.rest.size(), "triangles");
     const std::string wrong = validate(model, state.paths);
     if (!wrong.empty()) throw InvalidInput("state.paths: " + wrong);
     return {model, pose, {}, state.compression, {}, state.width};
@@ -208,7 +209,7 @@ void show(const Model& model, const Settings& settings, const Pose& pose, const 
           Picture& picture) {
     const PathContext context = shown_context(model, settings, pose, state);
     const Lifted lifted = lift(context, settings, build_triangle_lists(context, settings, state.paths));
-    show_frame(model.base, model.shown, model.stretch, pose.positions, pose.frames, lifted.positions,
+    show_frame(model.base, model.shown, model.stretch, pose.base.positions, pose.frames, lifted.positions,
                lifted.offset, picture);
     picture.height.resize(model.shown.places.size());
     apply<float>(model.shown.from_solved, lifted.height, picture.height);

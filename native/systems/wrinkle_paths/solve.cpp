@@ -26,15 +26,16 @@ void check(const Model& model, const Paint& paint) {
 
 void check(const Model& model, const Input& input, const State* state) {
     if (state) check(model, *state);
-    check_frame_time(model.base, input, state);
+    check_frame_time(model.base, input.frame_time, state ? &state->reference : nullptr);
 }
 
 // Section 5.2.1 for all paths, and statistics about the movement of their points.
 void follow_all(const PathContext& context, const State& state, const Settings& settings, double seconds,
                 std::vector<Path>& paths, Report& report) {
-    const size_t vertices = context.pose.positions.size();
-    const Pose before = make_welded_pose(
-        context.model, {state.past_positions.end() - std::ptrdiff_t(vertices), state.past_positions.end()});
+    const size_t vertices = context.pose.base.positions.size();
+    const Pose before =
+        make_welded_pose(context.model, {state.reference.past_positions.end() - std::ptrdiff_t(vertices),
+                                         state.reference.past_positions.end()});
     std::vector<float> moved;
     for (Path& path : paths) follow(context, before, settings, seconds, path.points, moved);
     if (moved.empty()) return;
@@ -52,19 +53,20 @@ void follow_all(const PathContext& context, const State& state, const Settings& 
 }  // namespace
 
 void check(const Model& model, const State& state) {
-    check_reference(model.base, state);
-    expect_count("state.compression", state.compression.size(), model.rest.size(), "triangles");
+    check_reference(model.base, state.reference);
+    expect_count("state.compression", state.compression.size(), model.triangles.rest.size(), "triangles");
     const auto refuse = [](const char* name, size_t at) {
         throw InvalidInput(std::string("state.") + name + ": number " + std::to_string(at) +
                            " is out of range");
     };
-    expect_count("state.shapes", state.shapes.size(), model.rest.size(), "triangles");
+    expect_count("state.shapes", state.shapes.size(), model.triangles.rest.size(), "triangles");
     for (size_t t = 0; t < state.compression.size(); ++t) {
         if (!state.shapes[t].is_sound()) refuse("shapes", t);
         if (!(state.compression[t] > 0.0f && state.compression[t] <= kMostCompression))
             refuse("compression", t);
     }
-    if (!state.width.empty()) expect_count("state.width", state.width.size(), model.rest.size(), "triangles");
+    if (!state.width.empty())
+        expect_count("state.width", state.width.size(), model.triangles.rest.size(), "triangles");
     for (size_t t = 0; t < state.width.size(); ++t) {
         if (!(state.width[t] >= kLeastWidth && state.width[t] <= 1.0f)) refuse("width", t);
     }
@@ -81,14 +83,15 @@ State solve(const Model& model, const Settings& settings, const Paint& paint, co
     check(model, paint);
     check(model, input, state);
     report = {};
-    const double seconds = state ? input.time - state->time : 0.0;
+    const double seconds = state ? input.frame_time.time - state->reference.time : 0.0;
     State next;
     next.next_id = state ? state->next_id : 0;
     std::vector<Stretch> changes;
-    static_cast<ReferenceState&>(next) = adapt(model.base, model, settings, input, pose, state, changes);
+    next.reference = adapt(model.base, model.triangles, settings.rest, input.frame_time, pose.base,
+                           state ? &state->reference : nullptr, changes);
     next.shapes = smoothed_shapes(settings, seconds, state, pose);
     const PathContext context =
-        make_context(model, settings, paint, pose, next.shapes, next.reference, changes);
+        make_context(model, settings, paint, pose, next.shapes, next.reference.reference, changes);
     next.compression = context.compression;
     next.width = context.widths;
 
@@ -103,7 +106,7 @@ State solve(const Model& model, const Settings& settings, const Paint& paint, co
 
     report.paths = static_cast<Index>(next.paths.size());
     report.collapsed_triangles = pose.collapsed;
-    for (const std::uint8_t label : next.labels) {
+    for (const std::uint8_t label : next.reference.labels) {
         report.compressed += label == kCompress;
         report.stretched += label == kStretch;
     }

@@ -36,12 +36,12 @@ struct Seed {
 // not matter.
 std::vector<Seed> seeds(const PathContext& context, const Settings& settings) {
     std::vector<Seed> out;
-    for (Index t = 0; t < context.model.net.triangles(); ++t) {
+    for (Index t = 0; t < context.model.triangles.net.triangles(); ++t) {
         const float compression = weighted_compression(context, t);
         if (compression < settings.threshold) continue;
         auto draw = [&, n = 0u]() mutable { return random(settings.seed, std::uint32_t(t), n++); };
         const float cell = settings.spacing * settings.width * context.width(t);
-        const float expected = kSeedsPerSpacing * context.model.rest[t].area() / (cell * cell);
+        const float expected = kSeedsPerSpacing * context.model.triangles.rest[t].area() / (cell * cell);
         const int count = int(std::min(expected + draw(), 1000.0f));
         if (out.size() + size_t(count) > kMostSeeds) {
             throw InvalidInput("width: folds of " + short_text(settings.width) + " can start at more than " +
@@ -98,7 +98,7 @@ void smooth(const PathContext& context, std::vector<PathPoint>& points) {
                    size;
         };
         const Index h = half_edge(old[i]);
-        const dvec2 a = beside(h, old[i - 1]), b = beside(context.model.net.twin[h], old[i + 1]);
+        const dvec2 a = beside(h, old[i - 1]), b = beside(context.model.triangles.net.twin[h], old[i + 1]);
         if (a.y + b.y <= 0.0) continue;
         const double straight = glm::mix(a.x, 1.0 - b.x, a.y / (a.y + b.y));
         points[i].at.x = float(std::clamp(0.5 * (old[i].at.x + straight), kEdgeMargin, 1.0 - kEdgeMargin));
@@ -148,7 +148,7 @@ void spawn(const PathContext& context, const Settings& settings, bool grown, Sta
 }
 
 std::string validate(const Model& model, const std::vector<Path>& paths) {
-    const Index triangles = model.net.triangles();
+    const Index triangles = model.triangles.net.triangles();
     for (const Path& path : paths) {
         const auto say = [&](size_t i, const char* what) {
             return "path " + std::to_string(path.id) + ", point " + std::to_string(i) + ": " + what;
@@ -165,7 +165,7 @@ std::string validate(const Model& model, const std::vector<Path>& paths) {
             if (!end && (!(p.at.x >= 0.0f) || p.at.x > 1.0f)) return say(i, "beyond its edge");
             if (end && (!(p.at.x >= 0.0f) || !(p.at.y >= 0.0f) || p.at.x + p.at.y > 1.0f + 1e-6f))
                 return say(i, "outside of its triangle");
-            if (!end && model.net.twin[half_edge(p)] == kNone) return say(i, "on an open border");
+            if (!end && twin_of(model, p) == kNone) return say(i, "on an open border");
             if (i > 0 && segment_triangle(model, points, i - 1) != p.triangle)
                 return say(i, "in another triangle than the point before");
         }

@@ -132,7 +132,7 @@ dvec2 flat_in(const PathContext& context, Index triangle, const PathPoint& p) {
     if (p.edge == kNone)
         return double(p.at.x) * context.corner(triangle, 1) + double(p.at.y) * context.corner(triangle, 2);
     if (p.triangle == triangle) return along(p.edge, p.at.x);
-    return along(context.model.net.twin[half_edge(p)] % 3, 1.0 - p.at.x);
+    return along(twin_of(context.model, p) % 3, 1.0 - p.at.x);
 }
 
 PathPoint inside(const PathContext& context, Index triangle, const dvec2& at) {
@@ -146,7 +146,7 @@ std::vector<PathPoint> reversed(const Model& model, const std::vector<PathPoint>
     std::vector<PathPoint> out(points.rbegin(), points.rend());
     for (PathPoint& p : out) {
         if (p.edge == kNone) continue;
-        const Index twin = model.net.twin[half_edge(p)];
+        const Index twin = twin_of(model, p);
         p = {triangle_of(twin), twin % 3, Vec2(1.0f - p.at.x, 0.0f)};
     }
     return out;
@@ -174,11 +174,11 @@ bool SegmentMap::has_near(Index triangle, const Vec3& p, float radius) const {
 double turning(const PathContext& context, const std::vector<PathPoint>& points) {
     double sum = 0.0;
     for (size_t i = 1; i + 1 < points.size(); ++i) {
-        const Index t = points[i].triangle, twin = context.model.net.twin[half_edge(points[i])];
+        const Index t = points[i].triangle, twin = twin_of(context.model, points[i]);
         const Index next = triangle_of(twin);
         const dvec2 before = flat_in(context, t, points[i]) - flat_in(context, t, points[i - 1]);
         const dvec2 after = flat_in(context, next, points[i + 1]) - flat_in(context, next, points[i]);
-        if (!context.pose.shapes[t].has_area() || !context.pose.shapes[next].has_area()) continue;
+        if (!context.pose.base.shapes[t].has_area() || !context.pose.base.shapes[next].has_area()) continue;
         sum += angle_to(unfolded(context, before, t, points[i].edge, twin), after);
     }
     return sum;
@@ -202,7 +202,7 @@ Walk walk(const PathContext& context, Index triangle, dvec2 at, dvec2 direction,
         if (left <= distance) return end(at + left * direction);
         if (distance < exit.distance) return end(at + distance * direction);
         at += distance * direction;
-        const Index twin = context.model.net.twin[3 * triangle + exit.edge];
+        const Index twin = context.model.triangles.net.twin[3 * triangle + exit.edge];
         if (twin == kNone) return end(at);
         const Index next = triangle_of(twin);
         if (context.compression[next] < limits.compression) return end(at);

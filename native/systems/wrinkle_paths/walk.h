@@ -27,7 +27,7 @@ std::vector<PathPoint> reversed(const Model& model, const std::vector<PathPoint>
 class SegmentMap {
   public:
     explicit SegmentMap(const PathContext& context)
-        : context_(context), first_(context.model.rest.size(), kNone), flood_(context) {}
+        : context_(context), first_(context.model.triangles.rest.size(), kNone), flood_(context) {}
 
     void add(const std::vector<PathPoint>& points);
 

@@ -23,9 +23,9 @@ namespace rumple::wrinkle_paths {
 
 enum class Direction { kOutward, kInward, kBoth };
 
-// The user's settings for every solve. The base class has the shape that compression is measured against
-// (chapter 4).
-struct Settings : ReferenceSettings {
+// The user's settings for every solve.
+struct Settings {
+    ReferenceSettings rest;   // the shape that compression is measured against (chapter 4)
     float smoothing = 0.1f;   // temporal smoothing of the triangles' shapes, seconds, >= 0; thesis: 0
     float threshold = 1.25f;  // tau: folds start where lambda~_min is above it, > 1
     float reach = 0.25f;      // folds continue down to this share of tau's compression, 0..1; thesis: 1
@@ -59,8 +59,9 @@ struct Paint {
 };
 
 // Built once at rest, then immutable; may be shared between objects.
-struct Model : ReferenceModel {
+struct Model {
     Surface base;
+    ReferenceModel triangles;
     std::vector<float> quality;        // per triangle at rest: 1 equilateral, 0 a sliver
     std::vector<Index> border_ring;    // per welded vertex: edges to the nearest open border, or kNone
     Attachments attachments;           // of the fine vertices
@@ -94,7 +95,8 @@ struct Path {
 
 // The state that is kept from frame to frame. These values are complete: a stored state continues like the
 // original.
-struct State : ReferenceState {
+struct State {
+    ReferenceState reference;
     std::vector<FlatTriangle> shapes;  // per triangle, smoothed in time
     std::vector<float> compression;    // per triangle, as the paths use it: of `shapes`, masked
     std::vector<float> width;          // per triangle: painted factor on L_min; empty: 1 everywhere
@@ -103,7 +105,8 @@ struct State : ReferenceState {
 };
 
 // One frame of the base. positions: of the display vertices, deformed, object space.
-struct Input : FrameTime {
+struct Input {
+    FrameTime frame_time;
     std::span<const Vec3> positions;
 };
 
@@ -120,7 +123,8 @@ struct Report {
 };
 
 // The pose of the base in one frame. Make it once per frame, for all functions of this frame.
-struct Pose : FlatPose {                // u1 of a shape lies along its frame's tangent
+struct Pose {
+    FlatPose base;                      // u1 of a shape lies along its frame's tangent
     std::vector<TriangleFrame> frames;  // per triangle
     Index collapsed = 0;
 };
