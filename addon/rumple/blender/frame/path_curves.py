@@ -20,7 +20,7 @@ from ...core.files.clip_manifest import ClipFault, Manifest
 from ...core.systems.curve_rows import MOST_ROOM, ROWS, CurvePoints, capacity_for, rows_of
 from .. import compat, scheduler
 from ..nodes import path_curves_tree
-from ..nodes.modifier_inputs import get_input, set_input
+from ..nodes.modifier_inputs import get_object, set_input, set_relations
 from ..objects import messages, modifier, properties, runtimes, units
 from ..objects.kept_lists import ModifiedObjects
 from ..objects.runtimes import Runtime
@@ -43,8 +43,7 @@ def all_curves() -> Iterator[tuple[bpy.types.Object, bpy.types.NodesModifier]]:
 
 
 def garment_of(nodes_mod: bpy.types.NodesModifier) -> bpy.types.Object | None:
-    found = get_input(nodes_mod, path_curves_tree.GARMENT)
-    return found if isinstance(found, bpy.types.Object) else None
+    return get_object(nodes_mod, path_curves_tree.GARMENT)
 
 
 def of(garment: bpy.types.Object) -> list[bpy.types.Object]:
@@ -64,8 +63,7 @@ def add(garment: bpy.types.Object) -> bpy.types.Object:
     nodes_mod = child.modifiers.new("Path Curves", "NODES")
     nodes_mod.node_group = path_curves_tree.ensure()
     _CURVES.forget()
-    set_input(nodes_mod, path_curves_tree.GARMENT, garment)
-    nodes_mod.node_group = nodes_mod.node_group  # as in modifier.set_output_object()
+    set_relations(nodes_mod, {path_curves_tree.GARMENT: garment})
     _write_again(garment)
     return child
 

@@ -16,7 +16,7 @@ from .. import compat
 from ..nodes import maps_mask_tree
 from ..nodes.builder import empty_modifier_group
 from ..nodes.maps_mask_tree import BONES, COUNT, SKIN, WRINKLES, Shape
-from ..nodes.modifier_inputs import get_input, set_input
+from ..nodes.modifier_inputs import get_input, get_object, set_relations
 from ..objects import modifier
 from ..objects.kept_lists import ModifiedObjects
 
@@ -91,8 +91,8 @@ def drop_unused_trees() -> None:
 
 
 def _mesh_object(nodes_mod: bpy.types.NodesModifier, name: str) -> bpy.types.Object | None:
-    found = get_input(nodes_mod, name)
-    return found if isinstance(found, bpy.types.Object) and found.type == "MESH" else None
+    found = get_object(nodes_mod, name)
+    return found if found is not None and found.type == "MESH" else None
 
 
 def skin(nodes_mod: bpy.types.NodesModifier) -> bpy.types.Object | None:
@@ -126,11 +126,7 @@ def connect(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier, new_skin:
     wanted = {SKIN: new_skin, BONES: new_skeleton, WRINKLES: wrinkles, COUNT: count}
     if all((get_input(nodes_mod, name) or None) == (value or None) for name, value in wanted.items()):
         return
-    for name, value in wanted.items():
-        set_input(nodes_mod, name, value)
-    # Setting an input from Python does not add the new relation to the dependency graph. Setting the group does.
-    nodes_mod.node_group = nodes_mod.node_group
-    obj.update_tag()
+    set_relations(nodes_mod, wanted)
     for unread in former - {new_skin, new_skeleton}:
         if unread.users == 0:
             modifier.delete_hidden(unread)

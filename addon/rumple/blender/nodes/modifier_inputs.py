@@ -15,6 +15,12 @@ def get_input(nodes_mod: bpy.types.NodesModifier, name: str) -> Any:
     return compat.modifier_input(nodes_mod, identifier) if identifier else None
 
 
+def get_object(nodes_mod: bpy.types.NodesModifier, name: str) -> bpy.types.Object | None:
+    """The object that an input refers to."""
+    found = get_input(nodes_mod, name)
+    return found if isinstance(found, bpy.types.Object) else None
+
+
 def values(nodes_mod: bpy.types.NodesModifier) -> list[Any]:
     """The values of all inputs."""
     if nodes_mod.node_group is None:
@@ -26,3 +32,13 @@ def values(nodes_mod: bpy.types.NodesModifier) -> list[Any]:
 def set_input(nodes_mod: bpy.types.NodesModifier, name: str, value: object) -> None:
     """Set an input. The caller must tag the object."""
     compat.set_modifier_input(nodes_mod, compat.group_sockets(nodes_mod.node_group, "INPUT")[name], value)
+
+
+def set_relations(nodes_mod: bpy.types.NodesModifier, inputs: dict[str, object]) -> None:
+    """Set inputs, by name, that refer to other objects. If Python sets an input, the dependency graph does not get the
+    new relation. It does if the group is set."""
+    for name, value in inputs.items():
+        set_input(nodes_mod, name, value)
+    if inputs:
+        nodes_mod.node_group = nodes_mod.node_group
+        nodes_mod.id_data.update_tag()

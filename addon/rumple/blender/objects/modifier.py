@@ -10,7 +10,7 @@ from ...core.files.clip_manifest import Manifest
 from ...core.systems.all_systems import SYSTEMS, System
 from .. import compat, scheduler
 from ..nodes import wrinkle_tree
-from ..nodes.modifier_inputs import get_input, set_input
+from ..nodes.modifier_inputs import get_input, get_object, set_input, set_relations
 from ..nodes.output_flags import Flag, change_flag, is_set
 from .kept_lists import ModifiedObjects
 
@@ -160,23 +160,17 @@ def add(obj: bpy.types.Object, method: str) -> bpy.types.NodesModifier:
 
 def output_object(modifier: bpy.types.NodesModifier) -> bpy.types.Object | None:
     """The hidden object with the mesh that the modifier shows."""
-    found = get_input(modifier, wrinkle_tree.OUTPUT)
-    return found if isinstance(found, bpy.types.Object) else None
+    return get_object(modifier, wrinkle_tree.OUTPUT)
 
 
 def set_output_object(modifier: bpy.types.NodesModifier, new: bpy.types.Object | None, coarse_vertices: int) -> None:
     """Connect the modifier to an output object for a coarse mesh with this number of vertices."""
-    set_input(modifier, wrinkle_tree.OUTPUT, new)
-    set_input(modifier, wrinkle_tree.COUNT, coarse_vertices)
-    # If Python sets an input, the dependency graph does not get the new relation. It does if the group is set.
-    modifier.node_group = modifier.node_group
-    modifier.id_data.update_tag()
+    set_relations(modifier, {wrinkle_tree.OUTPUT: new, wrinkle_tree.COUNT: coarse_vertices})
 
 
 def viewport_output(modifier: bpy.types.NodesModifier) -> bpy.types.Object | None:
     """The hidden object with the mesh that the modifier shows in viewports, if this is a different one."""
-    found = get_input(modifier, wrinkle_tree.VIEWPORT_OUTPUT)
-    return found if isinstance(found, bpy.types.Object) else None
+    return get_object(modifier, wrinkle_tree.VIEWPORT_OUTPUT)
 
 
 def can_show_in_viewport(modifier: bpy.types.NodesModifier) -> bool:
@@ -186,11 +180,8 @@ def can_show_in_viewport(modifier: bpy.types.NodesModifier) -> bool:
 
 def set_viewport_output(modifier: bpy.types.NodesModifier, new: bpy.types.Object | None) -> None:
     """None: viewports show the same mesh as renders."""
-    if new == viewport_output(modifier):
-        return
-    set_input(modifier, wrinkle_tree.VIEWPORT_OUTPUT, new)
-    modifier.node_group = modifier.node_group  # as in set_output_object()
-    modifier.id_data.update_tag()
+    if new != viewport_output(modifier):
+        set_relations(modifier, {wrinkle_tree.VIEWPORT_OUTPUT: new})
 
 
 def outputs(modifier: bpy.types.NodesModifier) -> list[bpy.types.Object]:
@@ -217,14 +208,11 @@ def coarse_vertices(modifier: bpy.types.NodesModifier) -> int:
 
 def cache_object(modifier: bpy.types.NodesModifier) -> bpy.types.Object | None:
     """The hidden object that plays the baked clip."""
-    found = get_input(modifier, wrinkle_tree.CACHE)
-    return found if isinstance(found, bpy.types.Object) else None
+    return get_object(modifier, wrinkle_tree.CACHE)
 
 
 def set_cache_object(modifier: bpy.types.NodesModifier, new: bpy.types.Object | None) -> None:
-    set_input(modifier, wrinkle_tree.CACHE, new)
-    modifier.node_group = modifier.node_group  # as in set_output_object()
-    modifier.id_data.update_tag()
+    set_relations(modifier, {wrinkle_tree.CACHE: new})
 
 
 def set_baked(modifier: bpy.types.NodesModifier, baked: bool) -> None:
@@ -262,10 +250,7 @@ def can_name_bodies(modifier: bpy.types.NodesModifier) -> bool:
 def set_bodies(modifier: bpy.types.NodesModifier, body: bpy.types.Object | None,
                collection: bpy.types.Collection | None) -> None:
     """Let Blender evaluate this body and this collection before the garment."""
-    set_input(modifier, wrinkle_tree.BODY, body)
-    set_input(modifier, wrinkle_tree.BODIES, collection)
-    modifier.node_group = modifier.node_group  # as in set_output_object()
-    modifier.id_data.update_tag()
+    set_relations(modifier, {wrinkle_tree.BODY: body, wrinkle_tree.BODIES: collection})
 
 
 def add_mesh_cache(cache_obj: bpy.types.Object, manifest: Manifest,

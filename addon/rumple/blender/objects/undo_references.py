@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 import bpy
 
 from .. import compat
-from ..nodes.modifier_inputs import get_input, set_input
+from ..nodes.modifier_inputs import get_input, set_relations
 from . import kept_lists, messages
 
 _SETTINGS = {"rumple": ("incoming", "captured", "profile_curve"), "rumple_maps": ("group",)}
@@ -61,7 +61,7 @@ def clear_references() -> None:
             _named.append(_Named(_Block.of(obj), nodes_mod.name, inputs, settings))
             for group, name in settings:
                 setattr(getattr(obj, group), name, None)
-            _set(nodes_mod, dict.fromkeys(inputs))
+            set_relations(nodes_mod, dict.fromkeys(inputs))
 
 
 def restore_references() -> None:
@@ -88,16 +88,7 @@ def _restore(named: _Named, present: dict[int, bpy.types.ID]) -> None:
             setattr(getattr(obj, group), name, block.found(present))
     if all(get_input(nodes_mod, name) is None for name in named.inputs):
         inputs = {name: block.found(present) for name, block in named.inputs.items()}
-        _set(nodes_mod, {name: block for name, block in inputs.items() if block is not None})
-
-
-def _set(nodes_mod: bpy.types.NodesModifier, values: dict[str, bpy.types.Object | None]) -> None:
-    for name, value in values.items():
-        set_input(nodes_mod, name, value)
-    if values:
-        # If Python sets an input, the dependency graph does not get the new relation. It does if the group is set.
-        nodes_mod.node_group = nodes_mod.node_group
-        nodes_mod.id_data.update_tag()
+        set_relations(nodes_mod, {name: block for name, block in inputs.items() if block is not None})
 
 
 def _blocks(blocks: dict[Any, object]) -> dict[Any, _Block]:
