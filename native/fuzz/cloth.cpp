@@ -221,20 +221,7 @@ void untangle_cloth(World& world, Bytes& bytes) {
 }
 
 void free_one(World& world, Bytes& bytes) {
-    switch (bytes.below(4)) {
-        case 0:
-            world.cloths.free_one(bytes);
-            break;
-        case 1:
-            world.cloth_states.free_one(bytes);
-            break;
-        case 2:
-            world.colliders.free_one(bytes);
-            break;
-        case 3:
-            world.covers.free_one(bytes);
-            break;
-    }
+    free_one_of(bytes, world.cloths, world.cloth_states, world.colliders, world.covers);
 }
 
 }  // namespace

@@ -142,20 +142,7 @@ void label(World& world, Bytes& bytes) {
 }
 
 void free_one(World& world, Bytes& bytes) {
-    switch (bytes.below(4)) {
-        case 0:
-            world.fields.free_one(bytes);
-            break;
-        case 1:
-            world.field_paints.free_one(bytes);
-            break;
-        case 2:
-            world.field_poses.free_one(bytes);
-            break;
-        case 3:
-            world.field_states.free_one(bytes);
-            break;
-    }
+    free_one_of(bytes, world.fields, world.field_paints, world.field_poses, world.field_states);
 }
 
 }  // namespace

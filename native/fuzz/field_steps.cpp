@@ -149,20 +149,7 @@ void scatter(World& world, Bytes& bytes) {
 }
 
 void free_one(World& world, Bytes& bytes) {
-    switch (bytes.below(4)) {
-        case 0:
-            world.canvases.free_one(bytes);
-            break;
-        case 1:
-            world.twins.free_one(bytes);
-            break;
-        case 2:
-            world.lines.free_one(bytes);
-            break;
-        case 3:
-            world.waves.free_one(bytes);
-            break;
-    }
+    free_one_of(bytes, world.canvases, world.twins, world.lines, world.waves);
 }
 
 }  // namespace

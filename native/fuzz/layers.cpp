@@ -191,20 +191,7 @@ void show_transfer(World& world, Bytes& bytes) {
 }
 
 void free_one(World& world, Bytes& bytes) {
-    switch (bytes.below(4)) {
-        case 0:
-            world.layers.free_one(bytes);
-            break;
-        case 1:
-            world.layers_paints.free_one(bytes);
-            break;
-        case 2:
-            world.layers_states.free_one(bytes);
-            break;
-        case 3:
-            world.transfers.free_one(bytes);
-            break;
-    }
+    free_one_of(bytes, world.layers, world.layers_paints, world.layers_states, world.transfers);
 }
 
 }  // namespace

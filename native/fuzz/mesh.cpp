@@ -153,20 +153,7 @@ void label(World& world, Bytes& bytes) {
 }
 
 void free_one(World& world, Bytes& bytes) {
-    switch (bytes.below(4)) {
-        case 0:
-            world.meshes.free_one(bytes);
-            break;
-        case 1:
-            world.mesh_paints.free_one(bytes);
-            break;
-        case 2:
-            world.mesh_poses.free_one(bytes);
-            break;
-        case 3:
-            world.mesh_states.free_one(bytes);
-            break;
-    }
+    free_one_of(bytes, world.meshes, world.mesh_paints, world.mesh_poses, world.mesh_states);
 }
 
 }  // namespace

@@ -203,26 +203,8 @@ void label(World& world, Bytes& bytes) {
 }
 
 void free_one(World& world, Bytes& bytes) {
-    switch (bytes.below(6)) {
-        case 0:
-            world.paths.free_one(bytes);
-            break;
-        case 1:
-            world.paths_paints.free_one(bytes);
-            break;
-        case 2:
-            world.paths_poses.free_one(bytes);
-            break;
-        case 3:
-            world.paths_states.free_one(bytes);
-            break;
-        case 4:
-            world.curves.free_one(bytes);
-            break;
-        case 5:
-            world.drawings.free_one(bytes);
-            break;
-    }
+    free_one_of(bytes, world.paths, world.paths_paints, world.paths_poses, world.paths_states, world.curves,
+                world.drawings);
 }
 
 }  // namespace

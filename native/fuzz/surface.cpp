@@ -244,23 +244,7 @@ void look_at_library(World& world, Bytes& bytes) {
 }
 
 void free_one(World& world, Bytes& bytes) {
-    switch (bytes.below(5)) {
-        case 0:
-            world.frames.free_one(bytes);
-            break;
-        case 1:
-            world.coarses.free_one(bytes);
-            break;
-        case 2:
-            world.meshes.free_one(bytes);
-            break;
-        case 3:
-            world.fields.free_one(bytes);
-            break;
-        case 4:
-            world.healed.free_one(bytes);
-            break;
-    }
+    free_one_of(bytes, world.frames, world.coarses, world.meshes, world.fields, world.healed);
 }
 
 }  // namespace

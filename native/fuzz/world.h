@@ -118,6 +118,13 @@ struct World {
     RUMPLE_POOL(rumple_wrinkle_maps, maps);
 };
 
+// Frees a handle of one of these pools.
+template <typename... Pools>
+void free_one_of(Bytes& bytes, Pools&... pools) {
+    int left = bytes.below(sizeof...(pools));
+    ((left-- == 0 ? pools.free_one(bytes) : void()), ...);
+}
+
 // An array of the caller, sometimes with a wrong count or without a pointer.
 template <typename T>
 struct Argument {
