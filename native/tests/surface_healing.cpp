@@ -17,6 +17,11 @@ HealedMesh heal(const MeshData& mesh, bool weld_seams = true) {
     return heal_mesh(mesh.input(weld_seams));
 }
 
+bool is_changed(const HealedMesh& healed) {
+    return !(healed.turned.empty() && healed.cut.empty() && healed.doubled.empty() &&
+             healed.repeated.empty());
+}
+
 // The healed mesh as a mesh of its own.
 MeshData as_mesh(const MeshData& mesh, const HealedMesh& healed) {
     MeshData out;
@@ -59,7 +64,7 @@ void expect_laws(const MeshData& mesh, const HealedMesh& healed) {
 TEST(Healing, WhatIsAManifoldComesBackAsItIs) {
     for (const MeshData& mesh : {cube(), grid(5, 3, 0.1f), tube(7, 4, 0.1f, 1.0f)}) {
         const HealedMesh healed = heal(mesh);
-        EXPECT_FALSE(healed.is_changed());
+        EXPECT_FALSE(is_changed(healed));
         EXPECT_EQ(healed.mesh.corner_vertex, mesh.corner_vertex);
         EXPECT_EQ(healed.triangle_corner, mesh.triangle_corner);
         EXPECT_EQ(healed.vertex_source.size(), mesh.positions.size());
@@ -239,7 +244,7 @@ TEST(Healing, LayersThatLieOnOneAnotherAreLeftAlone) {
     for (std::size_t c = 0; c < corners.size(); c += 4)
         mesh.add_polygon(
             {first + corners[c], first + corners[c + 1], first + corners[c + 2], first + corners[c + 3]});
-    EXPECT_FALSE(heal(mesh).is_changed());
+    EXPECT_FALSE(is_changed(heal(mesh)));
 }
 
 TEST(Healing, WhatIsNoMeshIsRefused) {

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "systems/wrinkle_paths/walk.h"
 #include "tests/wrinkle_paths_cloth.h"
@@ -55,20 +54,6 @@ TEST(PathProfile, OfTheSplineHasTheHeightsFoundBefore) {
     EXPECT_NEAR(height_table(Profile::kSpline).height_over_width(1.2f), 0.296f, 1e-3f);
     EXPECT_NEAR(height_table(Profile::kSpline).height_over_width(1.3f), 0.375f, 1e-3f);
     EXPECT_NEAR(height_table(Profile::kSpline).height_over_width(1.4f), 0.447f, 1e-3f);
-}
-
-// sin(phi) = phi L / s: a half circle (phi = pi / 2) for s / L = pi / 2, as high as half its width.
-TEST(PathProfile, OfTheCircleSolvesEquation61) {
-    EXPECT_NEAR(circle_half_angle(kMostRatio), 0.5f * std::numbers::pi_v<float>, 1e-5f);
-    EXPECT_NEAR(circle_height_over_width(kMostRatio), 0.5f, 1e-5f);
-    EXPECT_EQ(circle_half_angle(1.0f), 0.0f);
-    for (const float ratio : {1.05f, 1.3f, 2.0f, 3.0f}) {
-        const float phi = circle_half_angle(ratio);
-        EXPECT_GT(phi, 0.1f);  // not the false root
-        EXPECT_NEAR(std::sin(phi) - phi / ratio, 0.0f, 1e-5f);
-    }
-    EXPECT_NEAR(circle_half_angle(std::numbers::pi_v<float>) * 180.0f / std::numbers::pi_v<float>, 132.3f,
-                0.5f);
 }
 
 // ---- chapters 6 to 8

@@ -22,10 +22,6 @@ struct HealedMesh {
     std::vector<std::array<Index, 2>>
         doubled;                  // a polygon that was left out, ascending, and the polygon below it
     std::vector<Index> repeated;  // polygons, ascending, that use a vertex twice
-
-    bool is_changed() const {
-        return !(turned.empty() && cut.empty() && doubled.empty() && repeated.empty());
-    }
 };
 
 // The steps, in this order:

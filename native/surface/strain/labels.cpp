@@ -39,12 +39,6 @@ double dominance_cost(double a, double b) {  // (4.5) in our reading
     return (high < 1.0 ? a / b : b / a) * (high - 1.0) + 1.0;
 }
 
-double dominance_cost_printed(double a, double b) {
-    const double high = elementary::exp(-kAlpha * (a - 1.0)), low = elementary::exp(-kBeta * a);
-    if (a > b) return (high - low) * elementary::exp(-0.5 * square(a - b) / (2.0 * square(kSigma))) + low;
-    return b / a * (high - 1.0) + 1.0;
-}
-
 // Capacities are integers, so that the cut is exact in any order of the flow. All costs above kMostCost (a
 // triangle that doubles its size within a tenth of a second) are equal.
 constexpr double kCapacity = 65536.0;
@@ -118,11 +112,6 @@ LabelCosts label_costs(const Stretch& change) {
     if (!change.defined) return {1.0, 0.0, 1.0};
     const double a = change.compression, b = change.stretch;
     return {dominance_cost(a, b), rest_cost(a, b), dominance_cost(b, a)};  // (4.6), (4.4), (4.7)
-}
-
-LabelCosts label_costs_printed(const Stretch& change) {
-    const double a = change.compression, b = change.stretch;
-    return {dominance_cost_printed(a, b), rest_cost(a, b), dominance_cost_printed(b, a)};
 }
 
 Labels cut_labels(const TriangleNet& net, std::span<const LabelCosts> costs,

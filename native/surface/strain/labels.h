@@ -24,8 +24,6 @@ using LabelCosts = std::array<double, 3>;  // A(i, C), A(i, R), A(i, S)
 // Equations 4.4 to 4.7 for the change within the window. docs/wrinkle_paths.md explains how we read 4.5. The
 // change of a triangle without area is unknown, so its label `rest` costs nothing.
 LabelCosts label_costs(const Stretch& change);
-// The same with 4.5 as printed. For tests.
-LabelCosts label_costs_printed(const Stretch& change);
 
 // The labels with the least sum (eq. 4.3) over frames x triangles. They are exact: one minimum cut. costs:
 // frame by frame. before: the fixed labels of the frame before the first; or none. Of several optima it

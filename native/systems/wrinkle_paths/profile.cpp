@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "base/elementary.h"
 
@@ -46,25 +45,6 @@ const HeightTable& height_table(Profile kind) {
         HeightTable(Profile::kSpline), HeightTable(Profile::kQuartic), HeightTable(Profile::kCircularArcs),
         HeightTable(Profile::kSine)};
     return tables[size_t(kind)];
-}
-
-float circle_half_angle(float ratio) {
-    if (ratio <= 1.0f) return 0.0f;
-    double phi = std::numbers::pi;
-    for (int i = 0; i < 32; ++i) {
-        const double change =
-            (elementary::sin(phi) - phi / ratio) / (elementary::cos(phi) - 1.0 / ratio);  // (6.1)
-        phi -= change;
-        if (std::abs(change) < 1e-12) break;
-    }
-    return float(phi);
-}
-
-float circle_height_over_width(float ratio) {
-    const double phi = circle_half_angle(ratio);
-    if (phi <= 0.0) return 0.0f;
-    return float((1.0 - elementary::cos(phi)) /
-                 (2.0 * elementary::sin(phi)));  // radius (1 - cos), chord 2 radius sin
 }
 
 }  // namespace rumple::wrinkle_paths

@@ -32,9 +32,4 @@ const HeightTable& height_table(Profile kind);
 // Limit of the fold's width: L >= s / kMostRatio.
 inline constexpr float kMostRatio = 1.5707964f;
 
-// The circle of the thesis: phi of eq. 6.1 (half the angle of the arc) for s / L = ratio, in 0 .. pi, by
-// Newton's method from pi; and the height of this arc / L. For tests and comparison.
-float circle_half_angle(float ratio);
-float circle_height_over_width(float ratio);
-
 }  // namespace rumple::wrinkle_paths
