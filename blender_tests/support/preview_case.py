@@ -2,12 +2,13 @@
 """The base class of tests that look at a GPU preview in a Solid viewport."""
 from __future__ import annotations
 
-from types import ModuleType
+from types import ModuleType, SimpleNamespace
 from typing import Iterator
 
 import bpy
 import numpy as np
 import rumple_native as native
+from rumple.blender import handlers
 from rumple.blender.objects import runtimes
 from rumple.blender.viewport import preview
 from rumple.core.mesh.frame_result import FrameResult
@@ -128,6 +129,20 @@ class PreviewCase(WindowCase):
         assert isinstance(found, FrameResult)
         return found
 
+    def opened_again(self, blend: str, fine: np.ndarray) -> Iterator[float]:
+        """A saved file, first without the add-on, where it must show this fine mesh, then with it: self.obj."""
+        handlers.unregister()
+        try:
+            with sleeve.context():
+                bpy.ops.wm.open_mainfile(filepath=blend)
+            yield 0.3
+            np.testing.assert_array_equal(sleeve.shown(bpy.data.objects["Sleeve"]), fine)
+        finally:
+            handlers.register()
+        with sleeve.context():
+            bpy.ops.wm.open_mainfile(filepath=blend)
+        self.obj = bpy.data.objects["Sleeve"]
+
     def refuse(self, drawer: ModuleType) -> list[int]:
         """Until the test ends a driver that compiles nothing of a gpu module. Counts how often it was asked."""
         tried: list[int] = []
@@ -144,6 +159,16 @@ class PreviewCase(WindowCase):
     def area_of_view(self) -> object:
         """A context override with self.area."""
         return sleeve.context(area=self.area, region=next(r for r in self.area.regions if r.type == "WINDOW"))
+
+
+def showing_normals() -> SimpleNamespace:
+    """A viewport's shading whose picture is the normal: three lights that wrap all round, along the axes, red, green
+    and blue."""
+    lights = [SimpleNamespace(use=True, direction=axis, diffuse_color=axis, specular_color=(0, 0, 0), smooth=1.0)
+              for axis in np.eye(3).tolist()]
+    return SimpleNamespace(light="STUDIO", color_type="SINGLE", single_color=(1.0, 1.0, 1.0),
+                           show_specular_highlight=False, show_backface_culling=False, use_world_space_lighting=False,
+                           selected_studio_light=SimpleNamespace(solid_lights=lights, light_ambient=(0.0, 0.0, 0.0)))
 
 
 def smooth(picture: np.ndarray) -> np.ndarray:

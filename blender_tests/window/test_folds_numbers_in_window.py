@@ -13,6 +13,7 @@ from rumple.core.frame import engine
 from rumple.core.settings.system_settings import PathsSettings
 from rumple.core.systems.wrinkle_paths import WrinklePaths
 from support.frames import solve_frame
+from support.preview_case import showing_normals
 from support.window_case import WindowCase
 
 SIDE = 400  # pixels of the drawings into a buffer
@@ -144,13 +145,6 @@ class Stage(WindowCase):
         entry = SimpleNamespace(result=sheet.sketch, evaluator=sheet.fine,
                                 inputs=SimpleNamespace(settings=sheet.settings))
         self.assertTrue(drawing.update(obj, entry, None, np.zeros(len(sheet.base.triangle_corner), np.int32)))
-        # Three lights that wrap all round, along the axes, red, green and blue: the picture is the normal.
-        lights = [SimpleNamespace(use=True, direction=axis, diffuse_color=axis, specular_color=(0, 0, 0), smooth=1.0)
-                  for axis in np.eye(3).tolist()]
-        shading = SimpleNamespace(light="STUDIO", color_type="SINGLE", single_color=(1.0, 1.0, 1.0),
-                                  show_specular_highlight=False, show_backface_culling=False,
-                                  use_world_space_lighting=False, selected_studio_light=SimpleNamespace(
-                                      solid_lights=lights, light_ambient=(0.0, 0.0, 0.0)))
         buffer = gpu.types.GPUOffScreen(SIDE, SIDE, format="RGBA32F")
         with buffer.bind():
             here = gpu.state.active_framebuffer_get()
@@ -158,7 +152,8 @@ class Stage(WindowCase):
             with gpu.matrix.push_pop(), gpu.matrix.push_pop_projection():
                 gpu.matrix.load_matrix(view)
                 gpu.matrix.load_projection_matrix(Matrix.Diagonal((1.0 / 0.6, 1.0 / 0.6, -1.0, 1.0)))
-                preview._draw_object(obj, preview._OnGpu(sheet.fine.model, drawing), shading, gpu_arrays.no_overlays())
+                preview._draw_object(obj, preview._OnGpu(sheet.fine.model, drawing), showing_normals(),
+                                     gpu_arrays.no_overlays())
             color, depth = (here.read_color(0, 0, SIDE, SIDE, 4, 0, "FLOAT"), here.read_depth(0, 0, SIDE, SIDE))
         gpu_arrays.plain_state()
         self.color, self.depth = as_array(color, 4), as_array(depth, 1)[..., 0]

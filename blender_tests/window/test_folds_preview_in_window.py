@@ -8,7 +8,6 @@ from typing import Iterator
 
 import bpy
 import numpy as np
-from rumple.blender import handlers
 from rumple.blender.objects import modifier, runtimes
 from rumple.blender.viewport import preview, preview_paths
 from rumple.core.systems.wrinkle_paths import WrinklePaths
@@ -235,17 +234,7 @@ class Meshes(FoldsCase):
             with sleeve.context():
                 bpy.ops.wm.save_as_mainfile(filepath=blend)
             yield from self.settled()
-            handlers.unregister()
-            try:
-                with sleeve.context():
-                    bpy.ops.wm.open_mainfile(filepath=blend)
-                yield 0.3
-                np.testing.assert_array_equal(sleeve.shown(bpy.data.objects["Sleeve"]), fine)
-            finally:
-                handlers.register()
-            with sleeve.context():
-                bpy.ops.wm.open_mainfile(filepath=blend)
-            self.obj = bpy.data.objects["Sleeve"]
+            yield from self.opened_again(blend, fine)
             yield from self.view()
             sleeve.at(sleeve.LAST)
             yield from self.settled()

@@ -12,7 +12,7 @@ import bpy
 import gpu
 import numpy as np
 import rumple_native as native
-from rumple.blender import compat, handlers
+from rumple.blender import compat
 from rumple.blender.objects import modifier
 from rumple.blender.viewport import gpu_mesh, preview, preview_mesh
 from rumple.blender.viewport.gpu_arrays import read
@@ -343,18 +343,8 @@ class Manners(MeshCase):
                 bpy.ops.object.rumple_bake()
             sleeve.at(last)
             np.testing.assert_allclose(sleeve.shown(self.obj), fine, atol=2e-7)  # live meshes are embedded: rounded
-            handlers.unregister()
-            try:
-                with sleeve.context():
-                    bpy.ops.wm.open_mainfile(filepath=blend)
-                yield 0.3
-                np.testing.assert_array_equal(sleeve.shown(bpy.data.objects["Sleeve"]), fine)
-            finally:
-                handlers.register()
-            with sleeve.context():
-                bpy.ops.wm.open_mainfile(filepath=blend)
+            yield from self.opened_again(blend, fine)
             yield 0.3
-            self.obj = bpy.data.objects["Sleeve"]
             sleeve.play(last=last)
             with sleeve.context():
                 sleeve.make_active(self.obj)

@@ -15,7 +15,7 @@ from rumple.blender.ui import panels
 from rumple.blender.viewport import gpu_arrays, preview, preview_field
 from rumple.core.systems.wrinkle_field import PHASE, U_GRADIENT, V_GRADIENT, VECTORS, WEIGHT
 from support import gpu_waves, sleeve, small_renders
-from support.preview_case import PreviewCase, smooth
+from support.preview_case import PreviewCase, showing_normals, smooth
 
 SIDE = 400  # pixels of the drawings into a buffer
 
@@ -227,14 +227,7 @@ class Exact(PreviewCase):
 
     def test_normals_are_equations_7_and_8(self) -> Iterator[float]:
         yield from self.sheet()
-        # Three lights that wrap all round, along the axes, red, green and blue: the picture is the normal.
-        lights = [SimpleNamespace(use=True, direction=axis, diffuse_color=axis, specular_color=(0, 0, 0), smooth=1.0)
-                  for axis in np.eye(3).tolist()]
-        shading = SimpleNamespace(light="STUDIO", color_type="SINGLE", single_color=(1.0, 1.0, 1.0),
-                                  show_specular_highlight=False, show_backface_culling=False,
-                                  use_world_space_lighting=False, selected_studio_light=SimpleNamespace(
-                                      solid_lights=lights, light_ambient=(0.0, 0.0, 0.0)))
-        found = self.drawn(shading, orthographic(), Matrix.Translation((-0.5, -0.5, 0.0)))
+        found = self.drawn(showing_normals(), orthographic(), Matrix.Translation((-0.5, -0.5, 0.0)))
         place = from_above()
         right = self.expected(place)["normal"]
         seen = ~np.isnan(right[:, 0]) & (found.reshape(-1, 4)[:, 3] > 0.5)
