@@ -10,7 +10,7 @@ import bpy
 import numpy as np
 from rumple.blender import handlers, scheduler
 from rumple.blender.frame import clip_status, path_curves, rebuild, solve
-from rumple.blender.objects import bodies, changes, evaluator, modifier, runtimes
+from rumple.blender.objects import bodies, changes, evaluator, modifier, painted_maps, runtimes
 from rumple.core.base.wording import UserError
 from support import sleeve
 
@@ -38,7 +38,7 @@ class OneOfTwo(unittest.TestCase):
 
     def test_its_error_is_its_message_and_the_other_goes_on(self) -> None:
         # What goes wrong before a rebuild is no matter where the solve after it does well.
-        places = ((bodies, "is_connected"), (evaluator, "sources"), (solve, "_inputs"), (solve, "_posed"),
+        places = ((bodies, "is_connected"), (evaluator, "sources"), (painted_maps, "read"), (solve, "_posed"),
                   (solve, "_note_groups"), (rebuild, "_split_shared_output"))
         for error in (UserError("on purpose"), RuntimeError("on purpose")):
             for module, name in places:

@@ -10,7 +10,8 @@ from typing import Iterator
 import bpy
 import numpy as np
 from rumple.blender import compat, handlers
-from rumple.blender.frame import first_pass, solve
+from rumple.blender.frame import first_pass
+from rumple.blender.frame.garment_reader import GarmentReader
 from rumple.blender.nodes.output_flags import Flag, change_flag, is_set
 from rumple.blender.objects import modifier, runtimes
 from rumple.core.base.wording import UserError
@@ -100,7 +101,7 @@ class FirstPass(unittest.TestCase):
     def test_it_is_shown_whole_again_when_the_solve_fails(self) -> None:
         obj = sleeve.scene()
         sleeve.play(1, 4)
-        with mock.patch.object(solve, "_read", side_effect=UserError("on purpose")):
+        with mock.patch.object(GarmentReader, "_read", side_effect=UserError("on purpose")):
             sleeve.at(5)
         self.assertEqual(runtimes.message(obj), "on purpose")
         self.assertFalse(is_coarse(obj))

@@ -10,7 +10,8 @@ from unittest import mock
 import bpy
 import numpy as np
 from rumple.blender import compat, scheduler
-from rumple.blender.frame import path_curves, solve
+from rumple.blender.frame import path_curves
+from rumple.blender.frame.garment_reader import GarmentReader
 from rumple.blender.objects import modifier, posed_coarse, runtimes
 from support import sleeve, small_renders
 
@@ -128,7 +129,7 @@ class WhileRendering(unittest.TestCase):
         mask = self.obj.modifiers.new("Nothing", "MASK")  # as if Blender had forgotten the fine mesh
         mask.vertex_group, mask.threshold = "upper", 1.0
         self.enterContext(mock.patch.object(posed_coarse, "positions", return_value=None))
-        self.asked = self.enterContext(mock.patch.object(solve, "_evaluate_outputs", return_value=True))
+        self.asked = self.enterContext(mock.patch.object(GarmentReader, "_evaluate_outputs", return_value=True))
 
     def test_the_viewport_asks_for_it(self) -> None:
         sleeve.at(3)

@@ -8,7 +8,7 @@ from unittest import mock
 
 import bpy
 import numpy as np
-from rumple.blender.frame import solve
+from rumple.blender.frame import garment_reader
 from rumple.blender.objects import output_mesh, runtimes
 from support import sleeve
 from support.window_case import WindowCase
@@ -45,7 +45,7 @@ class TwoScenes(WindowCase):
                 bpy.data.scenes[scene].frame_set(frame)
                 yield 0.6
                 self.assertEqual((runtimes.of(obj).inputs.frame, runtimes.of(obj).written_at[1]), (frame, frame))
-                self.assertEqual((runtimes.of(obj).unplayed, obj.rumple.message), (solve.TWO_SCENES, ""))
+                self.assertEqual((runtimes.of(obj).unplayed, obj.rumple.message), (garment_reader.TWO_SCENES, ""))
         self.assertLessEqual(len(written), 3)
         runtimes.of(obj).forget_inputs()  # as where another evaluator takes over: both scenes have to solve
         bpy.data.scenes["Scene"].frame_set(4)
