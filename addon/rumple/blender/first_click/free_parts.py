@@ -13,11 +13,11 @@ from mathutils.bvhtree import BVHTree
 from ...core.base import transforms
 from ...core.base.triangles import at_border
 from ...core.base.vertices import places
-from ...core.cloth.base_cloth import size_factor
+from ...core.mesh.figure_size import size_factor
 from ...core.paint import hangs_free
 from .. import compat
 from ..objects import bodies, incoming_mesh, mesh_reader, painted_maps, properties, rig_scale
-from . import body_search, cloth_defaults
+from . import body_search, cloth_defaults, figure
 
 FARTHEST = 0.3  # metres, of an adult's garment: surfaces farther away are ignored
 UNDER = 0.5  # least cosine of the angle between inward normal and body: the body is below the cloth, not beside it
@@ -83,7 +83,7 @@ def _free_share(obj: bpy.types.Object, rest: np.ndarray, over: list[_Surface], m
     """(n,) float32, per vertex of the object's own mesh; None if a sample shows that the garment is close to its
     bodies. rest: (n, 3) in world space. metre: metres per world unit."""
     turn = obj.matrix_world.to_3x3().inverted_safe().transposed()
-    size = size_factor(Vector(np.ptp(rest, axis=0)).length, metre)
+    size = size_factor(Vector(np.ptp(rest, axis=0)).length, metre, figure.in_world(obj))
 
     def share(of: np.ndarray, side: float) -> np.ndarray:
         places, vertices = [Vector(place) for place in rest[of].tolist()], obj.data.vertices

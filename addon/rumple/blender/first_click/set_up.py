@@ -10,7 +10,7 @@ import bpy
 from ...core.systems.all_systems import SYSTEMS
 from ..nodes import wrinkle_tree
 from ..objects import incoming_mesh, made_collections, mesh_reader, painted_maps, properties, rig_scale
-from . import body_search, cloth_defaults, free_parts, named_skin, not_cloth, painted_skin, tucked_hems
+from . import body_search, cloth_defaults, figure, free_parts, named_skin, not_cloth, painted_skin, tucked_hems
 
 
 UNDER_MOST = 0.5  # least share of a garment over an object that is the body in it, and not its neighbour
@@ -21,6 +21,7 @@ def set_up(obj: bpy.types.Object, scene: bpy.types.Scene) -> list[str]:
     messages about them."""
     lengths = _set_defaults(obj, scene)
     with incoming_mesh.whole(body_search.candidates(obj, scene)):
+        obj.rumple.figure = figure.height(obj, scene)
         found = _set_cloth(obj, scene, lengths)
         return _notes(obj, scene, found)
 

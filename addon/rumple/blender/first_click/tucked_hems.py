@@ -15,13 +15,14 @@ from ...core.base.triangles import vertex_normals
 from ...core.base.vertices import places
 from ...core.base.wording import UserError
 from ...core.cloth import tucked
-from ...core.cloth.base_cloth import size_factor, suggested_follow
+from ...core.cloth.base_cloth import suggested_follow
 from ...core.mesh.base_mesh import BaseMesh
 from ...core.mesh.connected import borders
+from ...core.mesh.figure_size import size_factor
 from ...core.parts.cloth_surface import without_rigid_parts
 from .. import compat
 from ..objects import painted_maps, properties, rig_scale
-from . import body_search, cloth_defaults, cuts
+from . import body_search, cloth_defaults, cuts, figure
 
 REACH = 0.02  # metres, of an adult's garment: largest distance of the clothes over a hem
 
@@ -64,7 +65,7 @@ def _tucked(obj: bpy.types.Object, base: BaseMesh, trees: dict[bpy.types.Object,
     turn = np.array(obj.matrix_world.to_3x3().inverted_safe().transposed())
     normals = vertex_normals(base.positions, base.triangles) @ turn.T
     metre = scene.unit_settings.scale_length * rig_scale.of(obj, scene)
-    reach = REACH * size_factor(Vector(np.ptp(rest, axis=0)).length, metre) / metre
+    reach = REACH * size_factor(Vector(np.ptp(rest, axis=0)).length, metre, figure.in_world(obj)) / metre
     found = [np.empty(0, np.int64)]
     for border in borders(base, places(base.positions)):
         under = np.array([_is_under(Vector(rest[v]), Vector(normals[v]).normalized(), trees, reach) for v in border])

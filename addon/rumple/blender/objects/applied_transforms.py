@@ -44,6 +44,8 @@ def _follow_up(obj: bpy.types.Object) -> None:
     if np.array_equal(before, now):
         return
     applied = transforms.affine_between(before[:-1].reshape(-1, 3), some) if before[-1] == now[-1] else None
+    if applied is not None:
+        obj.rumple.figure *= abs(transforms.determinant(applied[:, :3])) ** (1.0 / 3.0)
     for system in SYSTEMS.values() if applied is not None else ():
         group = getattr(obj.rumple, system.group)
         if group.is_property_set("up") or system.method == obj.rumple.method:

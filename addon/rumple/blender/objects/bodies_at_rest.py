@@ -51,7 +51,8 @@ def of(garment: bpy.types.Object, body: bpy.types.Object, posed: Body, found: Pl
     cloth = mesh_reader.rest_positions(garment, "REST_POSE", "")
     if side(rest, posed.triangles) < 0 or not worn_at_rest.is_worn(cloth, rest):
         return None
-    size = worn_at_rest.size_of(cloth, rig_scale.metres_at_rest(garment, units.scene_of(garment)))
+    size = worn_at_rest.size_of(cloth, rig_scale.metres_at_rest(garment, units.scene_of(garment)),
+                                garment.rumple.figure)
     bare = ~worn_at_rest.is_covered(rest, posed.triangles, cloth, _normals(garment), size)
     return np.where(bare[:, None], scale * rest, np.float32(np.nan))
 

@@ -55,7 +55,7 @@ def sources(obj: bpy.types.Object) -> Sources:
 def _scale_rest(scale: float, *meshes: engine.BaseMesh | None) -> None:
     for mesh in meshes if scale != 1.0 else ():
         if mesh is not None:
-            mesh.positions = mesh.positions * np.float32(scale)
+            mesh.positions, mesh.figure = mesh.positions * np.float32(scale), mesh.figure * scale
 
 
 def _refuse_without_faces(obj: bpy.types.Object) -> None:

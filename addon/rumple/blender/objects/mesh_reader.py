@@ -60,6 +60,7 @@ def base_mesh(obj: bpy.types.Object, rest_shape: str, rest_key: str) -> engine.B
     mesh = incoming_mesh.of(obj)
     mesh.calc_loop_triangles()
     base = _flat_mesh(obj.name, mesh, rest_positions(obj, rest_shape, rest_key))
+    base.figure = obj.rumple.figure
     rigid = _map_of_every_system(obj, mesh, RIGID)
     base.painted_rigid = None if rigid is None else wholly_painted(base, rigid)
     return base
@@ -277,4 +278,6 @@ def shape_fingerprint(base: engine.BaseMesh) -> str:
                   base.crease_edge, base.crease_sharpness, base.painted_rigid, np.array(base.narrowest)):
         if array is not None:
             digest.update(np.ascontiguousarray(array).tobytes())
+    if base.figure > 0.0:  # not in files from before it was known, whose bakes must stay valid
+        digest.update(f"{base.figure:.5g}".encode())
     return digest.hexdigest()

@@ -12,6 +12,7 @@ from ...native import kernels
 from ..base import transforms
 from ..base.last_result import LastResult
 from ..mesh.body import Body, same_at_rest
+from ..mesh.figure_size import size_factor
 from ..paint.hangs_free import FREE, room_factor
 from ..settings.cloth_settings import ClothSettings, direction_of
 from ..settings.fabrics import GRAVITY
@@ -34,15 +35,6 @@ LEAST_BEND = 4.0
 # Metres: skin that is farther from the cloth at rest is not under it. An example is an arm that an animation moves into
 # the side of a shirt.
 WORN_WITHIN = 0.12
-# metres, diagonals of garments: a smaller or larger garment is scaled to this size for its cloth
-DOLL, GIANT = 0.4, 3.0
-
-
-def size_factor(diagonal: float, unit_scale: float) -> float:
-    """The factor on lengths of the cloth, 1 for a garment of a person. diagonal: of the garment's bounding box, object
-    units."""
-    size = diagonal * unit_scale
-    return size / min(max(size, DOLL), GIANT) if size > 0.0 else 1.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -99,15 +91,15 @@ class BaseCloth:
     one."""
 
     def __init__(self, surface: Any, diagonal: float, unit_scale: float,
-                 suggest: Callable[[str], np.ndarray] | None = None, inner: float = 0.0) -> None:
+                 suggest: Callable[[str], np.ndarray] | None = None, inner: float = 0.0, figure: float = 0.0) -> None:
         """surface: native, at rest. diagonal: of its bounding box, object units. unit_scale: metres per object unit.
         suggest: a function of the up axis that returns (n,) float32, how firmly vertices follow the animation where
         nothing is painted; None: suggested_follow() of the surface. inner: how far the garment's inner side is below
-        the surface, object units."""
+        the surface, object units. figure: height of its wearer, object units; 0: unknown."""
         self.surface, self.unit_scale, self.inner = surface, unit_scale, inner
         self._suggest = suggest or functools.partial(suggested_follow, surface)
         self.model = kernels.build_base_cloth(surface)
-        self.size_factor = size_factor(diagonal, unit_scale)
+        self.size_factor = size_factor(diagonal, unit_scale, figure)
         self._options = LastResult(self._native_settings)
         self._collider: tuple[Body, Any] | None = None
         self._paint: Any = None

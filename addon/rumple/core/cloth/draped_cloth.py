@@ -26,9 +26,9 @@ class DrapedCloth:
     slider that changes only the wrinkles needs the same base cloth again."""
 
     def __init__(self, surface: Any, diagonal: float, unit_scale: float,
-                 suggest: Callable[[str], np.ndarray] | None = None, inner: float = 0.0) -> None:
+                 suggest: Callable[[str], np.ndarray] | None = None, inner: float = 0.0, figure: float = 0.0) -> None:
         """Arguments as in BaseCloth()."""
-        self.cloth = BaseCloth(surface, diagonal, unit_scale, suggest, inner)
+        self.cloth = BaseCloth(surface, diagonal, unit_scale, suggest, inner, figure)
         self._cover: Any = None
         self._drape: Drape | None = None
         self._begun: tuple[bytes, ClothFrame] | None = None  # digest of what it was solved from

@@ -7,7 +7,7 @@ import numpy as np
 
 from ..base.triangles import vertex_normals
 from ..base.vertices import lengths
-from .base_cloth import size_factor
+from ..mesh.figure_size import size_factor
 
 SOME, NEAR = 200, 0.25  # tested vertices; distance / the garment's diagonal within which half of them have the body
 CLOTH, AT_ONCE = 1_000, 200  # largest number of the garment's vertices; the body's vertices at a time
@@ -25,9 +25,10 @@ def is_worn(cloth: np.ndarray, body: np.ndarray) -> bool:
     return bool(np.median(nearest) < NEAR * _diagonal(some))
 
 
-def size_of(cloth: np.ndarray, metres: float) -> float:
-    """Object units per metre of an adult's clothes. cloth: (n, 3). metres: per object unit."""
-    return size_factor(_diagonal(cloth), metres) / metres
+def size_of(cloth: np.ndarray, metres: float, figure: float = 0.0) -> float:
+    """Object units per metre of an adult's clothes. cloth: (n, 3). metres: per object unit. figure: height of the
+    wearer, object units; 0: unknown."""
+    return size_factor(_diagonal(cloth), metres, figure) / metres
 
 
 def is_covered(body: np.ndarray, triangles: np.ndarray, cloth: np.ndarray, facing: np.ndarray,

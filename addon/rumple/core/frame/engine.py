@@ -231,7 +231,7 @@ class Wrinkles(SystemSteps):
         if self._draped_cloth is None:
             self._draped_cloth = DrapedCloth(self.solved_surface, self.base.diagonal(), self.unit_scale,
                                              lambda up: self._where_solved(suggested_follow(self._cloth_surface, up)),
-                                             0.0 if self.outer is None else self.outer.thickness)
+                                             0.0 if self.outer is None else self.outer.thickness, self.base.figure)
         return self._draped_cloth
 
     def suggested_follow(self, settings: Any) -> np.ndarray:

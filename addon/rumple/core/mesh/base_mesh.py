@@ -49,6 +49,7 @@ class BaseMesh:
     rigid: RigidParts | None = None  # the rigid parts that were removed from it
     painted_rigid: np.ndarray | None = None  # (n,) bool of the artist's vertices: painted as rigid
     narrowest: float = 1.0  # the smallest painted factor on the width of folds, see narrowest_of()
+    figure: float = 0.0  # height of its wearer at rest, object units; 0: unknown
     # (k, 2) int32, vertices of the creased edges, which the fine mesh rounds less
     crease_edge: np.ndarray | None = None
     # (k,) float32: for how many subdivisions an edge stays sharp; 10 or more: always
@@ -70,7 +71,7 @@ class BaseMesh:
         mesh = BaseMesh(self.name, np.ascontiguousarray(self.positions[origin.vertex]), healed.polygon_start,
                         healed.corner_vertex, healed.triangle_corner,
                         None if self.uv is None else np.ascontiguousarray(self.uv[origin.corner]), origin)
-        mesh.painted_rigid, mesh.narrowest = self.painted_rigid, self.narrowest
+        mesh.painted_rigid, mesh.narrowest, mesh.figure = self.painted_rigid, self.narrowest, self.figure
         if self.crease_edge is not None and self.crease_sharpness is not None:
             mesh.crease_edge, mesh.crease_sharpness = creases_of(self.crease_edge, self.crease_sharpness, origin,
                                                                  mesh.sides())

@@ -6,8 +6,8 @@ import math
 from typing import Any
 
 from ...native import kernels
-from ..cloth.base_cloth import size_factor
 from ..mesh.base_mesh import BaseMesh
+from ..mesh.figure_size import size_of
 from ..mesh.outer_side import OuterSide
 from ..parts.flared import is_flared
 from ..settings.cloth_settings import direction_of
@@ -34,7 +34,7 @@ def coarse_mesh(base: BaseMesh, settings: MeshSettings, surface: Any, unit_scale
     """The native mesh that is solved in place of a base: as it was modelled, if it is too dense for wide folds or of
     triangles, or else an even one, if it is too dense, or the outer side of a base with an inner side. None: the base
     itself."""
-    size = size_factor(base.diagonal(), unit_scale)
+    size = size_of(base, unit_scale)
     by_wavelength, cloth = settings.density == "WAVELENGTH", base if outer is None else outer.mesh
     wide = by_wavelength and (settings.wavelength >= WIDE * size or is_flared(cloth, direction_of(settings.up)))
     spacing = COARSE_SPACING * size * (2.0 if wide else 1.0)

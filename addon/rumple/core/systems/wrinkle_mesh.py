@@ -12,13 +12,14 @@ import numpy as np
 from ...native import kernels
 from ..base.last_result import LastResult
 from ..base.wording import UserError, user_error
-from ..cloth.base_cloth import bend_radius, size_factor
+from ..cloth.base_cloth import bend_radius
 from ..cloth.layers import layer_settings, layer_words, native_settings
 from ..cloth.on_cloth import OnCloth
 from ..frame.engine import MOST_VERTICES, Wrinkles
 from ..frame.frame_input import FrameInput
 from ..mesh.base_mesh import BaseMesh
 from ..mesh.body import Body
+from ..mesh.figure_size import size_of
 from ..mesh.frame_result import FrameResult, PreviewFrame
 from ..mesh.outer_side import find as find_outer_side
 from ..mesh.shown_mesh import ViewportMesh
@@ -56,7 +57,7 @@ def cloth_defaults(base: BaseMesh, unit_scale: float, world_from_object: np.ndar
     """Settings for a garment that becomes cloth. The width of folds follows from the fabric and the wearer's size.
     Lengths are in metres, with two significant digits. world_from_object: (3, 3), at rest. sheet: it is a sheet, like a
     cape."""
-    scale = size_factor(base.diagonal(), unit_scale)
+    scale = size_of(base, unit_scale)
     # The base cloth already holds collars and cuffs. A hem without folds would be a ring, with folds gathered above it.
     finest = SKIRT_WAVELENGTH if sheet or is_flared(base, world_from_object[2]) else CLOTH_WAVELENGTH
     if sheet:

@@ -8,11 +8,12 @@ import numpy as np
 
 from ...native import kernels
 from ..base.wording import user_error
-from ..cloth.base_cloth import bend_radius, size_factor
+from ..cloth.base_cloth import bend_radius
 from ..cloth.on_cloth import cloth_of
 from ..frame.engine import MOST_VERTICES, Wrinkles
 from ..frame.frame_input import FrameInput
 from ..mesh.base_mesh import BaseMesh
+from ..mesh.figure_size import size_of
 from ..mesh.frame_result import COMMON_ATTRIBUTES, Attribute, FrameResult, PreviewFrame
 from ..paint.paint_maps import WIDTH, fold_width
 from ..parts.cloth_surface import checked_surface
@@ -41,7 +42,7 @@ CLOTH_THRESHOLD = 1.1
 
 def cloth_defaults(base: BaseMesh, unit_scale: float) -> dict[str, Any]:
     """Settings for a garment that becomes cloth, in addition to those of the base cloth. Two significant digits."""
-    width = max(suggested_width(base, unit_scale), CLOTH_WIDTH * size_factor(base.diagonal(), unit_scale))
+    width = max(suggested_width(base, unit_scale), CLOTH_WIDTH * size_of(base, unit_scale))
     return dict(threshold=CLOTH_THRESHOLD, width=float(f"{width:.2g}"))
 
 
