@@ -16,7 +16,7 @@ from ...core.base.vertices import lengths, sample_of
 from ...core.mesh import outer_side
 from ...core.mesh.body import facing_outwards
 from ...core.mesh.healing import TURNED
-from ..objects import bodies, incoming_mesh, mesh_reader, modifier
+from ..objects import bodies, incoming_mesh, mesh_reader, modifier, on_bone
 from ..objects.bodies_at_rest import armatures
 
 SAMPLES = 500  # largest number of vertices that are tested
@@ -86,7 +86,8 @@ def find(obj: bpy.types.Object, scene: bpy.types.Scene) -> WornOver:
         trimmings = [other for other in shares if _is_within(other, obj) and back(other) > LEAST_SHARE]
         if trimmings and sum(map(_area, trimmings)) >= LEAST_CLOTHED * _area(obj):
             return WornOver(None, [], trimmings, trees)
-    shares = {other: share for other, share in shares.items() if share > LEAST_SHARE or not _hangs_on_bone(other)}
+    # A thing in a hand or at a belt, such as a book that a garment lies beside, is no body in it.
+    shares = {other: share for other, share in shares.items() if share > LEAST_SHARE or on_bone.bone_of(other) is None}
     under = [other for other, share in shares.items() if share > LEAST_BODY and other not in trimmings]
     worn = {other for other in under if _is_worn(cloth(other), [trees[body] for body in under if body != other])}
     body = max((other for other in under if other not in worn and modifier.find(other) is None), key=shares.get,
@@ -94,11 +95,6 @@ def find(obj: bpy.types.Object, scene: bpy.types.Scene) -> WornOver:
     garments = [other for other, share in shares.items() if other != body and share > LEAST_OVERLAP
                 and share > MORE_OVER * back(other)]
     return WornOver(body, garments, [], trees, shares.get(body, 0.0))
-
-
-def _hangs_on_bone(obj: bpy.types.Object) -> bool:
-    """Whether it is a thing in a hand or at a belt: a book or a bottle that a garment lies beside is no body in it."""
-    return obj.parent_type == "BONE" and not any(m.type == "ARMATURE" for m in obj.modifiers)
 
 
 def _is_within(garment: bpy.types.Object, obj: bpy.types.Object) -> bool:
@@ -121,7 +117,7 @@ def _is_worn(cloth: _Cloth, others: list[BVHTree]) -> bool:
 def rest_in_world(obj: bpy.types.Object) -> np.ndarray:
     """Vertices at rest in world space, (n, 3) float32."""
     rest = mesh_reader.rest_positions(obj, "REST_POSE", "")
-    return transforms.placed(np.array(obj.matrix_world, np.float32), rest)
+    return transforms.placed(np.array(on_bone.world_at_rest(obj), np.float32), rest)
 
 
 def is_finite(obj: bpy.types.Object) -> bool:
@@ -134,7 +130,7 @@ def _cloth(obj: bpy.types.Object) -> _Cloth:
     finite = np.flatnonzero(np.isfinite(rest).all(axis=1))
     outer = np.intersect1d(finite, triangles_of(obj))
     chosen = sample_of(outer, SAMPLES).tolist()
-    turn = obj.matrix_world.to_3x3().inverted_safe().transposed() * side_of(obj)
+    turn = on_bone.world_at_rest(obj).to_3x3().inverted_safe().transposed() * side_of(obj)
     reach = NEAR * Vector(np.ptp(rest[finite], axis=0)).length if chosen else 0.0
     return _Cloth([Vector(rest[i]) for i in chosen], [turn @ vertices[i].normal for i in chosen], reach)
 

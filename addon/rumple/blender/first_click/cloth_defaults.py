@@ -12,7 +12,7 @@ from ...core.mesh import outer_side
 from ...core.mesh.base_mesh import BaseMesh
 from ...core.parts import flared
 from ...core.systems import wrinkle_field, wrinkle_mesh, wrinkle_paths
-from ..objects import mesh_reader, modifier, properties, rig_scale
+from ..objects import mesh_reader, modifier, on_bone, properties, rig_scale
 from . import closed_garments, named_skin
 
 # Their result is already cloth: its small compressions come from the simulation.
@@ -44,7 +44,7 @@ def defaults(obj: bpy.types.Object, scene: bpy.types.Scene, sheet: bool = False,
     method = properties.system_of(obj).method
     if is_simulated(obj):
         return SIMULATED_DEFAULTS.get(method, {})
-    if not is_skinned(obj):
+    if not (is_skinned(obj) or (sheet and on_bone.bone_of(obj) is not None)):
         return {}
     base = cloth_at_rest(obj)
     if not len(base.triangle_corner):
@@ -71,7 +71,7 @@ def is_sheet(obj: bpy.types.Object, body: bpy.types.Object | None) -> bool:
     """Whether a garment is a sheet, for example a cape. body: the object that it is worn over."""
     if body is None or not len(body.data.vertices):
         return False
-    into = np.array(obj.matrix_world.inverted_safe() @ body.matrix_world, np.float32)
+    into = np.array(on_bone.world_at_rest(obj).inverted_safe() @ on_bone.world_at_rest(body), np.float32)
     wearer = transforms.placed(into, mesh_reader.rest_positions(body, "REST_POSE", ""))
     return flared.is_sheet(cloth_at_rest(obj), wearer)
 
@@ -95,7 +95,7 @@ def cloth_at_rest(obj: bpy.types.Object) -> BaseMesh:
 
 
 def _turn(obj: bpy.types.Object) -> np.ndarray:
-    return np.array(obj.matrix_world.to_3x3(), np.float32)
+    return np.array(on_bone.world_at_rest(obj).to_3x3(), np.float32)
 
 
 def is_cloth(obj: bpy.types.Object) -> bool:

@@ -16,7 +16,7 @@ from ...core.base.vertices import places
 from ...core.mesh.figure_size import size_factor
 from ...core.paint import hangs_free
 from .. import compat
-from ..objects import bodies, incoming_mesh, mesh_reader, painted_maps, properties, rig_scale
+from ..objects import bodies, incoming_mesh, mesh_reader, on_bone, painted_maps, properties, rig_scale
 from . import body_search, cloth_defaults, figure
 
 FARTHEST = 0.3  # metres, of an adult's garment: surfaces farther away are ignored
@@ -60,7 +60,7 @@ def paint(obj: bpy.types.Object, scene: bpy.types.Scene, trees: dict[bpy.types.O
         return False
     if not compat.is_editable(obj) or not compat.is_editable(obj.data):
         return False
-    rest = transforms.placed(np.array(obj.matrix_world, np.float32), mesh_reader.basis_positions(obj.data))
+    rest = transforms.placed(np.array(on_bone.world_at_rest(obj), np.float32), mesh_reader.basis_positions(obj.data))
     if not np.isfinite(rest).all():
         return False
     free = hangs_free.share_of_sheet(rest) if sheet else _free_of_bodies(obj, rest, scene, trees)
@@ -82,7 +82,7 @@ def _free_of_bodies(obj: bpy.types.Object, rest: np.ndarray, scene: bpy.types.Sc
 def _free_share(obj: bpy.types.Object, rest: np.ndarray, over: list[_Surface], metre: float) -> np.ndarray | None:
     """(n,) float32, per vertex of the object's own mesh; None if a sample shows that the garment is close to its
     bodies. rest: (n, 3) in world space. metre: metres per world unit."""
-    turn = obj.matrix_world.to_3x3().inverted_safe().transposed()
+    turn = on_bone.world_at_rest(obj).to_3x3().inverted_safe().transposed()
     size = size_factor(Vector(np.ptp(rest, axis=0)).length, metre, figure.in_world(obj))
 
     def share(of: np.ndarray, side: float) -> np.ndarray:

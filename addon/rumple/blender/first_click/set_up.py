@@ -9,9 +9,9 @@ import bpy
 
 from ...core.systems.all_systems import SYSTEMS
 from ..nodes import wrinkle_tree
-from ..objects import incoming_mesh, made_collections, mesh_reader, painted_maps, properties, rig_scale
-from . import body_search, cloth_defaults, figure, free_parts, named_skin, not_cloth, painted_skin, tucked_hems
-
+from ..objects import incoming_mesh, made_collections, mesh_reader, on_bone, painted_maps, properties, rig_scale
+from . import (body_search, bone_sheets, cloth_defaults, figure, free_parts, named_skin, not_cloth, painted_skin,
+               tucked_hems)
 
 UNDER_MOST = 0.5  # least share of a garment over an object that is the body in it, and not its neighbour
 
@@ -52,24 +52,34 @@ class _Found(NamedTuple):
     refusal: str  # a message why it is no cloth although it has the shape, or ""
     skin: list[str]  # materials of the skin that was painted
     closed: bool  # whether it is cloth whose ends are closed
+    held: str  # a message where a sheet is held that a bone moves, or ""
 
 
 def _set_cloth(obj: bpy.types.Object, scene: bpy.types.Scene, lengths: set[str]) -> _Found:
     """Set the cloth settings if the object is a garment, find its bodies, and paint its maps. lengths: from
     _set_defaults()."""
-    worn_over, skin = body_search.find(obj, scene), []
+    worn_over, skin, held = body_search.find(obj, scene), [], ""
     is_sheet, closed = _shape_of(obj, scene, worn_over)
     refusal = _refusal(obj, scene, is_sheet, closed)
-    if not refusal and (not worn_over.is_body or named_skin.is_dressed(obj)):
+    if not refusal and _may_be_cloth(obj, worn_over):
         cloth_defaults.apply(obj, scene, lengths, is_sheet, closed)
     if cloth_defaults.is_cloth(obj):
+        if is_sheet and on_bone.bone_of(obj) is not None:
+            worn_over.garments += [other for other in bone_sheets.beside(obj, worn_over)
+                                   if other not in (worn_over.body, *worn_over.garments)]
         if not closed:  # what goes into a closed end would push the end out of itself
             _set_bodies(obj, worn_over)
         was_painted = _is_painted(obj, "follow")
         skin = painted_skin.paint(obj)
+        held = bone_sheets.hold(obj, scene) if is_sheet else ""
         free_parts.give_room(obj, scene, worn_over.trees, is_sheet, "room" not in lengths)
         tucked_hems.paint(obj, scene, worn_over, is_sheet, not was_painted)
-    return _Found(worn_over, refusal, skin, closed and cloth_defaults.is_cloth(obj))
+    return _Found(worn_over, refusal, skin, closed and cloth_defaults.is_cloth(obj), held)
+
+
+def _may_be_cloth(obj: bpy.types.Object, worn_over: body_search.WornOver) -> bool:
+    """Whether an object is no body. A sheet that a bone moves is none, whatever lies over it: a weapon on a cape."""
+    return not worn_over.is_body or named_skin.is_dressed(obj) or on_bone.bone_of(obj) is not None
 
 
 def _is_painted(obj: bpy.types.Object, key: str) -> bool:
@@ -82,7 +92,7 @@ def becomes_cloth(obj: bpy.types.Object, scene: bpy.types.Scene) -> bool:
     body_search.find()."""
     with incoming_mesh.whole(body_search.candidates(obj, scene)):
         worn_over = body_search.find(obj, scene)
-        if worn_over.is_body and not named_skin.is_dressed(obj):
+        if not _may_be_cloth(obj, worn_over):
             return False
         shape = _shape_of(obj, scene, worn_over)
         return not _refusal(obj, scene, *shape) and bool(cloth_defaults.defaults(obj, scene, *shape))
@@ -90,7 +100,7 @@ def becomes_cloth(obj: bpy.types.Object, scene: bpy.types.Scene) -> bool:
 
 def _shape_of(obj: bpy.types.Object, scene: bpy.types.Scene, worn_over: body_search.WornOver) -> tuple[bool, bool]:
     """Whether a garment is a sheet, and whether its ends are closed."""
-    is_sheet = cloth_defaults.is_sheet(obj, worn_over.body)
+    is_sheet = cloth_defaults.is_sheet(obj, worn_over.body) or bone_sheets.is_one(obj, scene)
     closed = not is_sheet and worn_over.share < UNDER_MOST and cloth_defaults.is_closed(obj, scene)
     return is_sheet, closed
 
@@ -98,7 +108,7 @@ def _shape_of(obj: bpy.types.Object, scene: bpy.types.Scene, worn_over: body_sea
 def _refusal(obj: bpy.types.Object, scene: bpy.types.Scene, is_sheet: bool, closed: bool) -> str:
     """A message why an object with the shape of a garment is not made cloth; "" if it is made cloth, or does not have
     the shape. is_sheet, closed: from _shape_of()."""
-    if cloth_defaults.is_simulated(obj) or not cloth_defaults.is_skinned(obj):
+    if cloth_defaults.is_simulated(obj) or not (cloth_defaults.is_skinned(obj) or on_bone.bone_of(obj)):
         return ""
     if not_cloth.is_skin(obj):
         message = (f"{obj.name}: all of its materials name skin, hair, shoes or metal, so it is not made cloth: if it "
@@ -131,6 +141,8 @@ def _notes(obj: bpy.types.Object, scene: bpy.types.Scene, found: _Found) -> list
         names = ", ".join(found.skin)
         return [f"{obj.name}: by their names, these materials are not cloth, and stay as they are animated: {names}. "
                 "To change that, paint Pinned and Keep Smooth"]
+    if found.held:
+        return [found.held]
     if found.closed:
         return [f"{obj.name}: its ends are closed, so it is cloth that is held by its upper end. If it is not cloth, "
                 "set Base Cloth to Off"]

@@ -21,7 +21,7 @@ from ...core.mesh.connected import borders
 from ...core.mesh.figure_size import size_factor
 from ...core.parts.cloth_surface import without_rigid_parts
 from .. import compat
-from ..objects import painted_maps, properties, rig_scale
+from ..objects import on_bone, painted_maps, properties, rig_scale
 from . import body_search, cloth_defaults, cuts, figure
 
 REACH = 0.02  # metres, of an adult's garment: largest distance of the clothes over a hem
@@ -60,9 +60,9 @@ def paint(obj: bpy.types.Object, scene: bpy.types.Scene, worn_over: body_search.
 def _tucked(obj: bpy.types.Object, base: BaseMesh, trees: dict[bpy.types.Object, BVHTree],
             scene: bpy.types.Scene) -> np.ndarray:
     """The border vertices under other clothes. base: healed, so its normals point outwards."""
-    world = np.array(obj.matrix_world, np.float32)
+    world = np.array(on_bone.world_at_rest(obj), np.float32)
     rest = transforms.placed(world, base.positions)
-    turn = np.array(obj.matrix_world.to_3x3().inverted_safe().transposed())
+    turn = np.array(on_bone.world_at_rest(obj).to_3x3().inverted_safe().transposed())
     normals = vertex_normals(base.positions, base.triangles) @ turn.T
     metre = scene.unit_settings.scale_length * rig_scale.of(obj, scene)
     reach = REACH * size_factor(Vector(np.ptp(rest, axis=0)).length, metre, figure.in_world(obj)) / metre

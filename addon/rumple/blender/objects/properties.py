@@ -187,9 +187,9 @@ class RUMPLE_Object(bpy.types.PropertyGroup):
                                        description="The shape key that is the unwrinkled cloth")
     # Hidden. Undeformed positions of some vertices, and the number of vertices, of the mesh that Up At Rest belongs to.
     up_places: bpy.props.FloatVectorProperty(size=3 * UP_PLACES + 1, name="Up At Rest", override=_OVERRIDE)
-    # Hidden. The first click has found it; it is stored so that lengths do not change when other objects do.
-    figure: bpy.props.FloatProperty(name="Figure", options={"HIDDEN"}, override=_OVERRIDE, min=0.0,
-                                    description="Height of the figure at rest, in units of the object. 0: unknown")
+    # Hidden. Height of the wearer at rest, in units of the object; 0: unknown. The first click finds it. It is stored,
+    # so that lengths do not change when other objects do.
+    figure: bpy.props.FloatProperty(name="Body", options={"HIDDEN"}, override=_OVERRIDE, min=0.0)
     rest_frame: bpy.props.IntProperty(name="Frame At Rest", default=1, options=set(), override=_OVERRIDE,
                                       description="The frame whose shape Capture takes as the unwrinkled cloth")
     viewport_steps: bpy.props.IntProperty(name="Viewport", default=0, min=0, max=2, options=set(), override=_OVERRIDE,

@@ -27,8 +27,12 @@ def share_of_sheet(rest: np.ndarray) -> np.ndarray:
     """(n,) 0..1 of a sheet (n, 3), Z up, by the distance below its upper end. The distance to the body is not suitable:
     a cape would be held beside an arm, and get a dent there."""
     below = rest[:, 2].max() - rest[:, 2]
-    diagonal = np.linalg.norm(np.ptp(rest, axis=0))
-    return smoothstep((below / diagonal - SHEET_HELD) / (SHEET_FREE - SHEET_HELD))
+    return share_beyond(below, float(np.linalg.norm(np.ptp(rest, axis=0))))
+
+
+def share_beyond(distance: np.ndarray, diagonal: float) -> np.ndarray:
+    """(n,) 0..1 of a sheet, by the distance from where it is held. diagonal: of the sheet."""
+    return smoothstep((distance / diagonal - SHEET_HELD) / (SHEET_FREE - SHEET_HELD))
 
 
 def spread(share: np.ndarray, edges: np.ndarray, place: np.ndarray) -> np.ndarray:

@@ -64,7 +64,7 @@ MESSAGES = tuple((re.compile(pattern), anchor) for pattern, anchor in (
     (r"worn over|its body|of its bodies|was reached by a jump|Step of the scene|Overwrite is off"
      r"|linked from a file of an older Rumple"
      r"|fewer than two openings|taken for a body|its thickness is modelled|its ends are closed"
-     r"|all of its materials name|one bone moves it", "body-and-cloth"),
+     r"|it is a sheet that the bone|all of its materials name|one bone moves it", "body-and-cloth"),
     (r"outside the bake|[Bb]aked clip|of it is damaged|the disk of|nothing can be written|the folder .* is gone"
      r"|changed since the bake|is too long for Windows|: bake again|nothing (?:of it )?is \w+ at frame"
      r"|choose another folder|Time Stretching is on|another file was opened", "bakes"),
