@@ -10,8 +10,8 @@ import bpy
 from ...core.systems.all_systems import SYSTEMS
 from ..nodes import wrinkle_tree
 from ..objects import incoming_mesh, made_collections, mesh_reader, on_bone, painted_maps, properties, rig_scale
-from . import (body_search, bone_sheets, cloth_defaults, figure, free_parts, named_skin, not_cloth, painted_skin,
-               tucked_hems)
+from . import (body_search, bone_sheets, cloth_defaults, figure, free_parts, moved_parts, named_skin, not_cloth,
+               painted_skin, tucked_hems)
 
 UNDER_MOST = 0.5  # least share of a garment over an object that is the body in it, and not its neighbour
 
@@ -71,6 +71,7 @@ def _set_cloth(obj: bpy.types.Object, scene: bpy.types.Scene, lengths: set[str])
             _set_bodies(obj, worn_over)
         was_painted = _is_painted(obj, "follow")
         skin = painted_skin.paint(obj)
+        moved_parts.paint(obj)
         held = bone_sheets.hold(obj, scene) if is_sheet else ""
         free_parts.give_room(obj, scene, worn_over.trees, is_sheet, "room" not in lengths)
         tucked_hems.paint(obj, scene, worn_over, is_sheet, not was_painted)
