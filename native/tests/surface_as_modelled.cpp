@@ -156,17 +156,58 @@ TEST(Undivided, WhatWasNotSubdividedIsNot) {
         EXPECT_FALSE(undivided_of(mesh));
 }
 
-// Every quad is cut, along a diagonal that is chosen by chance.
+// Three quads around a triangular hole. Subdivided, the three middles of its edges become one vertex, which
+// closes it. Six quads meet there, and each of them looks like one of a subdivision.
+TEST(Undivided, AnEdgeHasNoMoreThanTwoPolygons) {
+    MeshData mesh;
+    for (const float radius : {1.0f, 2.0f}) {
+        for (Index k = 0; k < 3; ++k) {
+            const float angle = 2.0f * std::numbers::pi_v<float> * float(k) / 3.0f;
+            mesh.positions.push_back({radius * std::cos(angle), radius * std::sin(angle), 0.0f});
+        }
+    }
+    for (Index k = 0; k < 3; ++k) mesh.add_polygon({k, k + 3, (k + 1) % 3 + 3, (k + 1) % 3});
+    const MeshData dense = subdivided(mesh);
+    PolygonMesh closed{Index(dense.positions.size()), dense.polygon_start, dense.corner_vertex};
+    ASSERT_TRUE(undivided(closed));
+    std::vector<Index> inner;
+    for (size_t v = 6; v < dense.positions.size(); ++v)
+        if (glm::length(dense.positions[v]) < 0.6f) inner.push_back(Index(v));
+    ASSERT_EQ(inner.size(), 3u);
+    for (Index& v : closed.corner_vertex)
+        if (std::ranges::count(inner, v)) v = inner[0];
+    EXPECT_FALSE(undivided(closed));
+}
+
+TEST(Undivided, PartsThatMeetAtAVertexAgreeAboutIt) {
+    const MeshData one =
+        subdivided(grid(1, 1, 1.0f));  // 4 corners, 4 middles of edges, the middle of the face
+    PolygonMesh both{18, one.polygon_start, one.corner_vertex};
+    for (size_t c = 0; c < one.corner_vertex.size(); ++c)
+        both.corner_vertex.push_back(9 + one.corner_vertex[c]);
+    for (Index p = 1; p <= 4; ++p) both.polygon_start.push_back(16 + 4 * p);
+    for (const auto& [shared, agree] : {std::pair(0, true), {4, false}}) {  // a corner, a middle of the first
+        PolygonMesh joined = both;
+        for (Index& v : joined.corner_vertex)
+            if (v == 9) v = shared;
+        EXPECT_EQ(undivided(joined).has_value(), agree);
+    }
+}
+
+// Every quad is cut, along a diagonal that is chosen by chance, and the triangles are in an order by chance.
 MeshData cut_by_chance(const MeshData& mesh, unsigned seed) {
     std::mt19937 random(seed);
-    MeshData out;
-    out.positions = mesh.positions;
+    std::vector<std::array<Index, 3>> triangles;
     for (size_t c = 0; c < mesh.corner_vertex.size(); c += 4) {
         const Index* v = &mesh.corner_vertex[c];
         const size_t k = random() % 2;
-        out.add_polygon({v[k], v[k + 1], v[k + 2]});
-        out.add_polygon({v[k], v[k + 2], v[(k + 3) % 4]});
+        triangles.push_back({v[k], v[k + 1], v[k + 2]});
+        triangles.push_back({v[k], v[k + 2], v[(k + 3) % 4]});
     }
+    for (size_t t = triangles.size() - 1; t > 0; --t) std::swap(triangles[t], triangles[random() % (t + 1)]);
+    MeshData out;
+    out.positions = mesh.positions;
+    for (const auto& [a, b, c] : triangles) out.add_polygon({a, b, c});
     return out;
 }
 
