@@ -65,8 +65,8 @@ class Duration(unittest.TestCase):
         with mock.patch.object(operators.time, "perf_counter", return_value=20.0):
             context = mock.Mock()
             operators.OBJECT_OT_rumple_bake._show_progress(bake, context)
-        context.workspace.status_text_set.assert_called_with(
-            "Baking wrinkles: 10 of 100 samples, about 3 min left. Esc cancels")
+        bake.show_status.assert_called_with(
+            context, "Baking wrinkles: 10 of 100 samples, about 3 min left. Esc cancels")
 
     def test_words(self) -> None:
         for seconds, text in ((8.26, "8.3 s"), (43.0, "43 s"), (119.0, "120 s"), (121.0, "2 min"), (7400.0, "2.1 h"),
