@@ -120,6 +120,8 @@ class MovedParts(unittest.TestCase):
         sleeve = placed(tube(12, 8, 0.03, 0.18), (0.4, 0.0, 0.2))
         self.assertFalse(self.found(sleeve, weights / weights.sum(axis=1, keepdims=True)).hands[0], "two openings")
         self.assertFalse(self.found(hand, bent(hand, FOREARM, HAND)).hands[0], "a sleeve that is closed at its end")
+        moved_too = bent(TUNIC, HAND, BONES - 1)
+        self.assertFalse(self.found(hand, weights, moved_too).hands[0], "these bones move most of the mesh")
 
 
 if __name__ == "__main__":

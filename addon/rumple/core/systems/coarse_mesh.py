@@ -46,7 +46,7 @@ def coarse_mesh(base: BaseMesh, settings: MeshSettings, surface: Any, unit_scale
         if may_change and (dense or cloth.is_of_triangles()):
             return kernels.as_modelled(surface, limit, part)
     except ValueError:
-        pass  # it was modelled so
+        pass  # it was modelled so, or with narrow faces
     try:
         if outer is not None or (may_change and dense):
             return kernels.build_coarse(surface, spacing / unit_scale, part)
