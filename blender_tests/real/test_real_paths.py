@@ -30,7 +30,7 @@ class Folding(PlayedOnce):
         runtime = runtimes.of(cls.garment)
         state, report = cls.fine.frame_cache.get(float(frame)).state, runtime.result.report
         return dict(frame=frame, message=cls.garment.rumple.message, finite=bool(np.isfinite(shown).all()),
-                    digest=digest(shown), fault=native.load().wrinkle_path_fault(cls.fine.model, state),
+                    digest=digest(shown), fault=native.load().wrinkle_path_fault(state),
                     paths=report.paths, born=report.born, moved=report.moved_most,
                     height=float(np.abs(runtime.result.attributes["rumple_height"]).max()),
                     milliseconds=sum(runtime.result.milliseconds.values()))

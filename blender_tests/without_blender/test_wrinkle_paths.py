@@ -189,7 +189,7 @@ class RealClips(unittest.TestCase):
         most, change, before = 0, [], None
         for state, report in play(clip.model, settings, clip.frames, clip.rate, labels=labels):
             frame = round(state.time * clip.rate)
-            self.assertEqual(native.wrinkle_path_fault(clip.model, state), "", f"frame {frame}")
+            self.assertEqual(native.wrinkle_path_fault(state), "", f"frame {frame}")
             picture = native.show_wrinkle_paths(clip.model, settings, clip.frames[frame], state)
             self.assertTrue(np.isfinite(picture.positions).all())
             self.assertLess(np.abs(picture.height).max(), 0.75 * settings.width)

@@ -77,7 +77,7 @@ class Garment:
             labels = native.label_clip(fine.model, options, np.arange(len(poses)) / rate, np.concatenate(poses))
         for frame, pose in enumerate(poses):
             state, _ = native.solve_wrinkle_paths(fine.model, options, paint, pose, frame / rate, state, labels[frame])
-            assert native.wrinkle_path_fault(fine.model, state) == "", (self.object.name, row, frame)
+            assert native.wrinkle_path_fault(state) == "", (self.object.name, row, frame)
             if frame in wanted:
                 options.height = 0.0 if row == "bare" else 1.0
                 out[frame] = fine, native.show_wrinkle_paths(fine.model, options, pose, state).positions

@@ -161,9 +161,8 @@ def show_wrinkle_paths(model: WrinklePathsModel, settings: WrinklePathsSettings,
                                   WrinklePathsPose.of(model, positions), state)
 
 
-def wrinkle_path_fault(model: WrinklePathsModel, state: WrinklePathsState) -> str:
-    """Empty if every path lies on the surface; otherwise what is wrong."""
-    del model  # of the state
+def wrinkle_path_fault(state: WrinklePathsState) -> str:
+    """Empty if every path lies on the surface of the state's model; otherwise what is wrong."""
     try:
         lib.rumple_wrinkle_paths_state_check(state)
     except ValueError as error:
