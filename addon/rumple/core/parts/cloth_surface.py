@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -23,18 +24,24 @@ SMALL, SMALL_AND_CLOSED = 0.05, 0.12
 MOST_AREA = 0.25  # share of the mesh. If small parts have more, the garment consists of them (mail, scales, patches)
 
 
-def checked_surface(base: BaseMesh, weld: bool, rigid_parts: bool,
-                    unit_scale: float) -> tuple[BaseMesh, kernels.Surface, list[str]]:
-    """The base without its rigid parts, healed if necessary (see Origin.notes()); its native surface; and warnings.
-    rigid_parts: small parts and skin are rigid too, not only painted parts. unit_scale: metres per object unit. Raises
-    UserError."""
+class Checked(NamedTuple):
+    """The cloth of a mesh."""
+
+    base: BaseMesh  # healed if necessary (see Origin.notes()), without its rigid parts
+    surface: kernels.Surface  # native, of it
+    warnings: list[str]  # for the artist
+
+
+def checked_surface(base: BaseMesh, weld: bool, rigid_parts: bool, unit_scale: float) -> Checked:
+    """Finds the cloth of a mesh. rigid_parts: small parts and skin are rigid too, not only painted parts. unit_scale:
+    metres per object unit. Raises UserError."""
     if not math.isfinite(unit_scale) or unit_scale <= 0.0:
         raise UserError(f"{base.name}: its scale is zero, so lengths in metres have no meaning: give it one")
     base = base.healed(weld)
     surface = base.surface(weld)
     warnings = [f"{base.name}: {warning}" for warning in surface.warnings]
     cloth = without_rigid_parts(base, weld, rigid_parts)
-    return cloth, surface if cloth is base else cloth.surface(weld), warnings
+    return Checked(cloth, surface if cloth is base else cloth.surface(weld), warnings)
 
 
 def without_rigid_parts(base: BaseMesh, weld: bool, small: bool = True) -> BaseMesh:

@@ -26,7 +26,7 @@ from ..mesh.shown_mesh import ViewportMesh
 from ..paint.fold_guides import ALONG
 from ..paint.hangs_free import FREE, WORN, with_wide_folds
 from ..paint.paint_maps import WIDTH, fold_width
-from ..parts.cloth_surface import checked_surface
+from ..parts.cloth_surface import Checked, checked_surface
 from ..parts.flared import is_flared
 from ..settings.cloth_settings import ClothSettings, nearest_up
 from ..settings.system_settings import MeshSettings
@@ -103,12 +103,13 @@ class WrinkleMesh(Wrinkles):
         rigid_parts = settings.rigid_parts and settings.source != "OBJECT"
         # with an own mesh, patches are painted on that mesh
         base = replace(base, painted_rigid=None) if settings.source == "OBJECT" else base
-        base, surface, warnings = checked_surface(base, settings.weld, rigid_parts, unit_scale)
+        checked = checked_surface(base, settings.weld, rigid_parts, unit_scale)
+        if settings.layered:
+            return cls._build_layers(checked, settings, unit_scale, most_vertices, viewport_steps)
+        base, surface, warnings = checked
         own = own.healed(False) if own is not None and settings.source == "OBJECT" else None
         own_surface = own.surface(False) if own is not None else None
         attached = attached if attached is None or own is None else own.points(attached)
-        if settings.layered:
-            return cls._build_layers(base, settings, surface, warnings, unit_scale, most_vertices, viewport_steps)
         level = settings.level
         if settings.density == "WAVELENGTH" and settings.source == "SUBDIVISION":
             level, notes = base.level_within(level_for(base, settings.wavelength, unit_scale), settings.display_steps,
@@ -135,9 +136,10 @@ class WrinkleMesh(Wrinkles):
         return mesh
 
     @classmethod
-    def _build_layers(cls, base: BaseMesh, settings: MeshSettings, surface: Any, warnings: list[str],
-                      unit_scale: float, most_vertices: int, viewport_steps: int) -> "WrinkleMesh":
+    def _build_layers(cls, checked: Checked, settings: MeshSettings, unit_scale: float, most_vertices: int,
+                      viewport_steps: int) -> "WrinkleMesh":
         """Build layers on the base, or on a coarse mesh that represents a dense base."""
+        base, surface, warnings = checked
         outer = find_outer_side(base, surface, settings.weld)
         coarse = coarse_mesh(base, settings, surface, unit_scale, outer)
         edge = (base.mean_edge() if coarse is None else coarse.mean_edge) * unit_scale
