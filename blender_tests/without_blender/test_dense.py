@@ -13,6 +13,7 @@ from rumple.core.settings.fabrics import FABRICS
 from rumple.core.settings.system_settings import MeshSettings
 from rumple.core.systems.coarse_mesh import COARSE_SPACING, SPACING_RANGE, coarse_mesh, fitting_spacing
 from rumple.core.systems.wrinkle_mesh import WrinkleMesh, cloth_defaults
+from rumple.native import kernels
 from support.frames import solve_frame
 from support.meshes import tube
 
@@ -102,17 +103,17 @@ class Dense(unittest.TestCase):
         would be none across it."""
         even, narrow = sleeve(21, 17), sleeve(80, 10)
         self.assertGreater(narrow.mean_edge(), 0.02)  # not dense in the mean
-        for base, share in ((even, 0.0), (narrow, 1.0)):
-            self.assertEqual(base.share_narrower_than(0.02), share)
+        for base, is_uneven in ((even, False), (narrow, True)):
             mesh = WrinkleMesh.build(base, settings_of(base))
-            self.assertEqual(mesh.coarse is not None, share > 0.0)
+            self.assertEqual(kernels.is_uneven(mesh.surface, 0.02), is_uneven)
+            self.assertEqual(mesh.coarse is not None, is_uneven)
 
     def test_the_width_of_a_triangle_is_its_height(self) -> None:
         """As that of a quad, it is the distance of sides that face each other: of one side from the opposite corner."""
         corner = np.array(((0.0, 0.0, 0.0), (2.0, 0.0, 0.0), (1.0, 0.5, 0.0)), np.float32)
         base = BaseMesh("one", corner, np.array((0, 3), np.int32), np.arange(3, dtype=np.int32),
                         np.array(((0, 1, 2),), np.int32))
-        self.assertEqual([base.share_narrower_than(width) for width in (0.499, 0.501)], [0.0, 1.0])
+        self.assertEqual([kernels.is_uneven(base.surface(True), width) for width in (0.499, 0.501)], [False, True])
 
     def test_a_part_that_is_denser_leaves_the_rest_no_coarser(self) -> None:
         """A face in the mesh of its clothes has most of the edges: the clothes were shown as they were modelled. Here a

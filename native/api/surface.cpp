@@ -11,6 +11,7 @@
 #include "surface/cloth/pins.h"
 #include "surface/mesh/heal.h"
 #include "surface/mesh/positions.h"
+#include "surface/mesh/uneven.h"
 
 using namespace rumple;
 using namespace rumple::api;
@@ -111,6 +112,10 @@ const char* rumple_surface_warning(const rumple_surface* surface, int32_t number
 
 rumple_status rumple_surface_count_openings(const rumple_surface* surface, int32_t* openings) {
     return guarded([&] { given(openings, "openings") = count_openings(given(surface, "surface").surface); });
+}
+
+rumple_status rumple_surface_is_uneven(const rumple_surface* surface, float width, bool* uneven) {
+    return guarded([&] { given(uneven, "uneven") = is_uneven(given(surface, "surface").surface, width); });
 }
 
 rumple_status rumple_surface_outer_side(const rumple_surface* surface, uint8_t* outer, size_t outer_count,

@@ -145,6 +145,8 @@ void measure_surface(World& world, Bytes& bytes) {
     if (CALL(rumple_surface_count_openings, surface.handle, &openings) == RUMPLE_OK)
         require(openings >= 0, "openings", "rumple_surface_count_openings");
     const float up[3] = {bytes.real(-1.0f, 1.0f), bytes.real(-1.0f, 1.0f), bytes.real(-1.0f, 1.0f)};
+    bool uneven = false;
+    CALL(rumple_surface_is_uneven, surface.handle, up[0], &uneven);
     Written follow(surface.base ? size_t(surface.base->vertices) : 3, 1, bytes);
     follow.check(CALL(rumple_surface_suggest_follow, surface.handle, up, follow.pointer(), follow.count),
                  "follow");

@@ -45,7 +45,7 @@ def build_coarse(dense: Surface, spacing: float, part: Surface | None = None) ->
 def as_modelled(dense: Surface, least_edge: float, part: Surface | None = None) -> CoarseMesh:
     """The mesh as it was modelled: quads that were cut into triangles are joined, and subdivisions taken back until the
     mean edge is at least least_edge, object units. part: as of build_coarse. Raises ValueError if there is no such
-    mesh, or if more than a tenth of its area is in polygons narrower than least_edge."""
+    mesh, or if it is_uneven() for this width."""
     coarse = CoarseMesh.made(lib.rumple_coarse_as_modelled, dense, part or dense, least_edge)
     return _completed(coarse, dense, None)
 

@@ -97,6 +97,14 @@ def count_openings(surface: Surface) -> int:
     return openings.value
 
 
+def is_uneven(surface: Surface, width: float) -> bool:
+    """Whether more than a tenth of the area lies in polygons narrower than `width`, object units. The width of a
+    polygon is its area / its longest side; of a triangle twice that: its height. Cost: O(corners)."""
+    uneven = ctypes.c_bool()
+    lib.rumple_surface_is_uneven(surface, width, ctypes.addressof(uneven))
+    return uneven.value
+
+
 def outer_side(surface: Surface, polygon_count: int) -> tuple[np.ndarray, float]:
     """The outer side of a garment with modelled thickness: (p,) bool, the polygons of the outer side and of parts
     without an inner side; and the thickness, object units. All polygons and 0 if no thickness is modelled."""
@@ -362,4 +370,4 @@ def label_clip(model: Any, settings: Any, times: np.ndarray, positions: np.ndarr
 
 
 __all__ = ["HealedMesh", "ShownFrame", "ShownMesh", "Surface", "build_surface", "count_openings", "embed_frame",
-           "heal_mesh", "label_clip", "outer_side", "rigid_motions", "suggest_follow"]
+           "heal_mesh", "is_uneven", "label_clip", "outer_side", "rigid_motions", "suggest_follow"]

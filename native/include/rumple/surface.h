@@ -99,6 +99,11 @@ RUMPLE_API const char* rumple_surface_warning(const rumple_surface* surface, int
 // mesh also give one. A wide hem is not an outline if its part has a waist. Cost: O(edges log edges).
 RUMPLE_API rumple_status rumple_surface_count_openings(const rumple_surface* surface, int32_t* openings);
 
+// Whether more than a tenth of the area lies in polygons narrower than `width`, object units. The width of a
+// polygon is its area / its longest side; of a triangle twice that: its height. uneven: written. Cost:
+// O(corners).
+RUMPLE_API rumple_status rumple_surface_is_uneven(const rumple_surface* surface, float width, bool* uneven);
+
 // The outer side of a garment with modelled thickness. Only the outer side is solved as cloth. The inner side
 // and the rims follow it. outer: (polygons), written: 1 for polygons of the outer side, and of parts without
 // an inner side. thickness: written, the median, object units. If no thickness is modelled, it is 0, and
@@ -130,8 +135,8 @@ RUMPLE_API rumple_status rumple_coarse_build_of(const rumple_surface* dense, con
 // The mesh as it was modelled: quads that were cut into triangles are joined, and subdivisions (of Catmull
 // and Clark, or Blender's Simple) taken back until the mean edge is at least least_edge, object units, > 0.
 // Its smooth surface passes through the dense mesh, too. part: as above, or the dense mesh itself. Refused: a
-// mesh that was neither cut nor subdivided, or not so often, or that has more than a tenth of its area in
-// polygons narrower than least_edge. Cost: about 2 us a polygon.
+// mesh that was neither cut nor subdivided, or not so often, or that was uneven before: see
+// rumple_surface_is_uneven(), width: least_edge. Cost: about 2 us a polygon.
 RUMPLE_API rumple_status rumple_coarse_as_modelled(const rumple_surface* dense, const rumple_surface* part,
                                                    float least_edge, rumple_coarse** coarse);
 RUMPLE_API void rumple_coarse_free(rumple_coarse* coarse);

@@ -13,6 +13,7 @@
 #include "surface/mesh/disjoint_sets.h"
 #include "surface/mesh/edge_graph.h"
 #include "surface/mesh/positions.h"
+#include "surface/mesh/uneven.h"
 #include "surface/output/as_modelled.h"
 #include "surface/output/attachments.h"
 #include "surface/refine/refinement.h"
@@ -36,9 +37,6 @@ constexpr int kCorrections = 6;
 constexpr float kDense = 0.75f, kFine = 0.4f;
 constexpr Index kMostSubdivisions = 2;
 constexpr Index kMostCorners = 400'000;  // of the subdivided mesh: about 0.4 s
-
-// Largest share of the area in narrow faces of a mesh that is solved as it was modelled.
-constexpr double kUneven = 0.1;
 
 // A part of the mesh with less area than this times spacing^2 (a button, a torn piece) has no vertices of its
 // own. It moves along with the cloth under it, and does not fall.
@@ -207,28 +205,6 @@ float mean_edge(const Surface& surface) {
     return float(sum / double(surface.edges.size()));
 }
 
-// Share of the area, 0 to 1, in polygons narrower than this: area / longest side, of triangles the height.
-double share_narrower_than(const Surface& surface, float width) {
-    const PolygonMesh& mesh = surface.welded;
-    std::vector<double> areas(size_t(mesh.polygons()), 0.0);
-    for (Index t = 0; t < Index(surface.triangles.size()); ++t) {
-        const auto [a, b, c] = welded_vertices(surface, t);
-        const std::vector<Vec3>& at = surface.positions_rest;
-        areas[surface.triangles[t].polygon] += 0.5 * glm::length(glm::cross(at[b] - at[a], at[c] - at[a]));
-    }
-    double narrow = 0.0, whole = 0.0;
-    for (Index p = 0; p < mesh.polygons(); ++p) {
-        const Index size = mesh.polygon_size(p), *corner = &mesh.corner_vertex[mesh.polygon_start[p]];
-        float longest = 0.0f;
-        for (Index k = 0; k < size; ++k)
-            longest = std::max(longest, glm::distance(surface.positions_rest[corner[k]],
-                                                      surface.positions_rest[corner[(k + 1) % size]]));
-        whole += areas[p];
-        if ((size == 3 ? 2.0 : 1.0) * areas[p] < double(width) * longest) narrow += areas[p];
-    }
-    return whole > 0.0 ? narrow / whole : 1.0;
-}
-
 // The vertices that samples are chosen among: those of the dense mesh or, if it is not so dense, of its
 // smooth surface.
 struct Candidates {
@@ -328,7 +304,7 @@ std::shared_ptr<const CoarseMesh> build_as_modelled(const Surface& dense, float 
         vertex = before->vertex;
         const Surface surface = surface_of(rest, before->mesh);
         if (mean_edge(surface) < least_edge) continue;
-        if (share_narrower_than(surface, least_edge) > kUneven) break;
+        if (is_uneven(surface, least_edge)) break;
         auto out = std::make_shared<CoarseMesh>();
         for (const Index v : vertex) {
             out->from_dense.add(v, 1.0f);

@@ -30,8 +30,8 @@ std::shared_ptr<const CoarseMesh> build_coarse(const Surface& dense, float spaci
 
 // The mesh as it was modelled (surface/output/as_modelled.h): triangles are joined to quads, and subdivisions
 // taken back until the mean edge is at least least_edge, object units, > 0. Throws InvalidInput if the mesh
-// was neither cut into triangles nor subdivided, not so often, or if more than a tenth of the area would be
-// in polygons narrower than least_edge. Cost: O(corners x log corners), plus that of limit_stencils().
+// was neither cut into triangles nor subdivided, not so often, or if what it was made from is_uneven() for
+// this width. Cost: O(corners x log corners), plus that of limit_stencils().
 std::shared_ptr<const CoarseMesh> build_as_modelled(const Surface& dense, float least_edge);
 
 // Computes positions of the coarse vertices, such that the smooth surface of the coarse mesh passes through

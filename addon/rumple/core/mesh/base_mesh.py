@@ -137,17 +137,6 @@ class BaseMesh:
         weight = np.repeat(self.polygon_areas() / corners, corners)
         return float((weight * sides).sum() / weight.sum()) if weight.sum() > 0.0 else self.mean_edge()
 
-    def share_narrower_than(self, width: float) -> float:
-        """Share of the area, 0 to 1, that lies in polygons narrower than this (object units). The width of a polygon is
-        its area over its longest side, for triangles twice that: the height."""
-        first, second = self.sides().T
-        sides = lengths(self.positions[second] - self.positions[first])
-        longest = np.maximum.reduceat(sides, self.polygon_start[:-1])
-        areas = self.polygon_areas()
-        factor = np.where(np.diff(self.polygon_start) == 3, 2.0, 1.0)
-        narrow = factor * areas < width * longest
-        return float(areas[narrow].sum() / areas.sum()) if areas.sum() > 0.0 else 0.0
-
     def is_of_triangles(self) -> bool:
         """Whether most of its polygons are triangles."""
         sizes = np.diff(self.polygon_start)

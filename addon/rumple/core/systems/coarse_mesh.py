@@ -18,8 +18,7 @@ COARSE_SPACING = 0.033  # metres: distance of the coarse mesh's vertices in an a
 MEAN_EDGE = 32.0 / 33.0  # mean edge of a coarse mesh / distance of its vertices: its widest folds have five edges
 SPACING_RANGE = math.sqrt(2.0)  # distance of coarse vertices / COARSE_SPACING: at most this, at least 1 / this
 WIDE = 0.1  # metres: if the finest folds are this wide, and for every skirt, the coarse edges are twice as long
-DENSE = 20.0 / 33.0  # relative to COARSE_SPACING: a base with shorter edges is solved on a coarse mesh instead
-UNEVEN = 0.1  # ... and so is one with more than this share of its area in faces that are narrower than DENSE
+DENSE = 20.0 / 33.0  # relative to COARSE_SPACING: a base with shorter edges or narrower faces is not solved itself
 
 
 def fitting_spacing(usual: float, wavelength: float) -> float:
@@ -40,7 +39,7 @@ def coarse_mesh(base: BaseMesh, settings: MeshSettings, surface: Any, unit_scale
     spacing = COARSE_SPACING * size * (2.0 if wide else 1.0)
     limit = DENSE * spacing / unit_scale
     spacing = fitting_spacing(spacing, settings.wavelength) if by_wavelength else spacing
-    dense = base.mean_edge() < limit or base.share_narrower_than(limit) > UNEVEN
+    dense = base.mean_edge() < limit or kernels.is_uneven(surface, limit)
     part, may_change = None if outer is None else outer.surface, by_wavelength and settings.base_cloth != "OFF"
     try:
         if may_change and (dense or cloth.is_of_triangles()):

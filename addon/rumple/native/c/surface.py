@@ -213,6 +213,7 @@ SURFACE_FUNCTIONS: dict[str, tuple[Any, tuple[Any, ...]]] = {
     "rumple_surface_get_view": (CHECKED, (SurfacePointer, POINTER(SurfaceView))),
     "rumple_surface_warning": (c_char_p, (SurfacePointer, c_int32)),
     "rumple_surface_count_openings": (CHECKED, (SurfacePointer, c_void_p)),
+    "rumple_surface_is_uneven": (CHECKED, (SurfacePointer, c_float, c_void_p)),
     "rumple_surface_outer_side": (CHECKED, (SurfacePointer, c_void_p, c_size_t, c_void_p)),
     "rumple_surface_suggest_follow": (CHECKED, (SurfacePointer, c_void_p, c_void_p, c_size_t)),
     "rumple_coarse_build": (CHECKED, (SurfacePointer, c_float, POINTER(CoarsePointer))),
