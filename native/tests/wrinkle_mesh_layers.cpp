@@ -342,7 +342,7 @@ TEST(WrinkleMeshLayers, EmbeddedInTheAnimatedMeshItIsWhereItWasSolved) {
         EXPECT_LT(apart(picture.positions, solved.positions), kRounding);
         Pose3 base(stack.layers->base.welded.vertex_count);
         weld_positions(stack.layers->base, animated, base);
-        std::vector<TriangleFrame> frames(stack.layers->base.triangles.size());
+        std::vector<SurfaceFrame> frames(stack.layers->base.triangles.size());
         triangle_frames(stack.layers->base, base, frames);
         float moved = 0.0f;
         for (size_t v = 0; v < picture.positions.size(); ++v) {

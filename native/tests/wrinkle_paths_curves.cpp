@@ -14,7 +14,7 @@ using namespace wrinkle_paths;
 // The formula of the header, from the artist's vertices alone.
 Vec3 ridden(const RidingCurves& curves, size_t i, const Pose3& pose) {
     const auto& [a, b, c] = curves.corners[i];
-    const TriangleFrame frame = triangle_frame(pose[a], pose[b], pose[c]);
+    const SurfaceFrame frame = triangle_frame(pose[a], pose[b], pose[c]);
     return pose[a] + curves.weights[i].x * (pose[b] - pose[a]) + curves.weights[i].y * (pose[c] - pose[a]) +
            frame.to_object(curves.local_offset[i]);
 }

@@ -98,7 +98,7 @@ void place_animated(const Model& model, const Settings& settings, const Paint& p
     for (size_t v = 0; v < pose.animated.size(); ++v) {
         const Index to = model.frame_to[v];
         pose.frame.push_back(
-            to == kNone ? TriangleFrame{}
+            to == kNone ? SurfaceFrame{}
                         : frame_towards(pose.normal[v], pose.animated[to] - pose.animated[v], kShortestEdge));
     }
 }

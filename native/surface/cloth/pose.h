@@ -26,10 +26,10 @@ inline float height_above(const Plane& plane, const Vec3& p) {
 // object space.
 struct Pose {
     std::vector<Vec3> animated;
-    std::vector<Vec3> normal;          // unit, or zero
-    std::vector<TriangleFrame> frame;  // tangent frames, which move with rigid motion
-    std::vector<Vec3> inner;           // the inner surface, which cloth stays outside of
-    struct Facet {                     // a triangle of the inner surface
+    std::vector<Vec3> normal;         // unit, or zero
+    std::vector<SurfaceFrame> frame;  // tangent frames, which move with rigid motion
+    std::vector<Vec3> inner;          // the inner surface, which cloth stays outside of
+    struct Facet {                    // a triangle of the inner surface
         Row a, b, c;
         Row ball;  // bounding sphere: x, y, z of its centre, and its radius
     };

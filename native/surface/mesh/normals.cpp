@@ -26,13 +26,13 @@ std::vector<Vec3> vertex_normals(const Surface& surface, std::span<const Vec3> p
     return normals;
 }
 
-TriangleFrame triangle_frame(const Vec3& p0, const Vec3& p1, const Vec3& p2) {
+SurfaceFrame triangle_frame(const Vec3& p0, const Vec3& p1, const Vec3& p2) {
     const Vec3 e1 = p1 - p0;
     const Vec3 n = glm::cross(e1, p2 - p0);
     const float e1_length = glm::length(e1);
     const float n_length = glm::length(n);
     if (e1_length < kShortestEdge || n_length < kShortestEdge * kShortestEdge) return {};
-    TriangleFrame frame;
+    SurfaceFrame frame;
     frame.tangent = e1 / e1_length;
     frame.normal = n / n_length;
     frame.bitangent = glm::cross(frame.normal, frame.tangent);
@@ -40,7 +40,7 @@ TriangleFrame triangle_frame(const Vec3& p0, const Vec3& p1, const Vec3& p2) {
 }
 
 void triangle_frames(const Surface& surface, std::span<const Vec3> positions,
-                     std::span<TriangleFrame> frames) {
+                     std::span<SurfaceFrame> frames) {
     for_each_index(frames.size(), kLeastSteps, [&](size_t t) {
         const Index* corner = surface.triangles[t].corner;
         const auto at = [&](int k) { return positions[surface.welded.corner_vertex[corner[k]]]; };
@@ -48,8 +48,8 @@ void triangle_frames(const Surface& surface, std::span<const Vec3> positions,
     });
 }
 
-std::vector<TriangleFrame> triangle_frames(const Surface& surface, std::span<const Vec3> positions) {
-    std::vector<TriangleFrame> frames(surface.triangles.size());
+std::vector<SurfaceFrame> triangle_frames(const Surface& surface, std::span<const Vec3> positions) {
+    std::vector<SurfaceFrame> frames(surface.triangles.size());
     triangle_frames(surface, positions, frames);
     return frames;
 }

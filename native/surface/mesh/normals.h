@@ -24,7 +24,7 @@ inline Vec3 direction_of_normals(const Vec3& sum) {
 
 // An orthonormal frame of the surface: two axes in its plane, and its normal. Zero vectors (never NaN) where
 // there is none.
-struct TriangleFrame {
+struct SurfaceFrame {
     Vec3 tangent{0.0f};
     Vec3 bitangent{0.0f};
     Vec3 normal{0.0f};
@@ -39,7 +39,7 @@ struct TriangleFrame {
 
 // The frame with this unit normal whose tangent points towards a direction, projected by Gram-Schmidt. Zero
 // vectors if what is left of the direction is not longer than `least`.
-inline TriangleFrame frame_towards(const Vec3& normal, const Vec3& direction, float least) {
+inline SurfaceFrame frame_towards(const Vec3& normal, const Vec3& direction, float least) {
     const Vec3 projected = direction - glm::dot(direction, normal) * normal;
     const float length = glm::length(projected);
     if (!(length > least)) return {};
@@ -48,11 +48,10 @@ inline TriangleFrame frame_towards(const Vec3& normal, const Vec3& direction, fl
 }
 
 // The tangent is along the first edge. Zero for a collapsed triangle.
-TriangleFrame triangle_frame(const Vec3& p0, const Vec3& p1, const Vec3& p2);
+SurfaceFrame triangle_frame(const Vec3& p0, const Vec3& p1, const Vec3& p2);
 
 // The frame of every triangle of the deformed base. Cost: O(triangles).
-void triangle_frames(const Surface& surface, std::span<const Vec3> positions,
-                     std::span<TriangleFrame> frames);
-std::vector<TriangleFrame> triangle_frames(const Surface& surface, std::span<const Vec3> positions);
+void triangle_frames(const Surface& surface, std::span<const Vec3> positions, std::span<SurfaceFrame> frames);
+std::vector<SurfaceFrame> triangle_frames(const Surface& surface, std::span<const Vec3> positions);
 
 }  // namespace rumple

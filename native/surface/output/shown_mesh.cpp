@@ -83,7 +83,7 @@ void split_creases(FineMesh& fine, const PolygonMesh& parent) {
 }
 
 void embed(const Surface& base, const ShownMesh& mesh, std::span<const Vec3> welded,
-           std::span<const TriangleFrame> frames, ShownFrame& out) {
+           std::span<const SurfaceFrame> frames, ShownFrame& out) {
     for_each_index(mesh.places.size(), kLeastSteps, [&](size_t v) {
         const SurfacePoint& place = mesh.places[v];
         if (place.triangle == kNone) {  // a loose vertex has no offset from the base
@@ -258,7 +258,7 @@ void embed_frame(const Surface& base, const ShownMesh& mesh, std::span<const Vec
 }
 
 void show_frame(const Surface& base, const ShownMesh& mesh, const StretchModel& stretch,
-                std::span<const Vec3> base_positions, std::span<const TriangleFrame> frames,
+                std::span<const Vec3> base_positions, std::span<const SurfaceFrame> frames,
                 std::span<const Vec3> solved, std::span<const Vec3> offset, ShownFrame& out) {
     const size_t shown = mesh.places.size();
     out.positions.resize(shown);

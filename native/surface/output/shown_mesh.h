@@ -92,7 +92,7 @@ struct ShownFrame {
 // base_positions, frames: of the deformed base. solved, offset: per solved vertex, object space; offset is
 // from the unwrinkled surface. Cost: O(triangles + shown vertices).
 void show_frame(const Surface& base, const ShownMesh& mesh, const StretchModel& stretch,
-                std::span<const Vec3> base_positions, std::span<const TriangleFrame> frames,
+                std::span<const Vec3> base_positions, std::span<const SurfaceFrame> frames,
                 std::span<const Vec3> solved, std::span<const Vec3> offset, ShownFrame& out);
 
 // Embeds a frame in other positions of the base's vertices (as the artist has them): computes local_offset

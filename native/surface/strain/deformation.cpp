@@ -27,7 +27,7 @@ Corners corners_of(const Surface& surface, std::span<const Vec3> positions, cons
 }
 
 // Columns: the two edges from corner 0, in the triangle's frame.
-glm::mat2 edges_in_frame(const Corners& c, const TriangleFrame& frame) {
+glm::mat2 edges_in_frame(const Corners& c, const SurfaceFrame& frame) {
     const Vec3 e1 = c.p[1] - c.p[0];
     const Vec3 e2 = c.p[2] - c.p[0];
     return {Vec2(glm::dot(e1, frame.tangent), glm::dot(e1, frame.bitangent)),
@@ -43,7 +43,7 @@ Vec3 tilt(const Vec3& v, const Vec3& from, const Vec3& to) {
 }
 
 // The rotation from components in the triangle's frame to components in the vertex's frame.
-Vec2 turn_between(const TriangleFrame& triangle, const Vec3& vertex_normal, const Vec3& vertex_tangent) {
+Vec2 turn_between(const SurfaceFrame& triangle, const Vec3& vertex_normal, const Vec3& vertex_tangent) {
     const Vec3 carried = tilt(triangle.tangent, triangle.normal, vertex_normal);
     const Vec3 vertex_bitangent = glm::cross(vertex_normal, vertex_tangent);
     const Vec2 turn(glm::dot(carried, vertex_tangent), glm::dot(carried, vertex_bitangent));
@@ -61,7 +61,7 @@ std::vector<std::vector<Index>> corners_at_vertices(const Surface& surface) {
 }
 
 // The frame of a vertex, and the weights and rotations of its corners. frames, area: of the triangles.
-void add_vertex(std::span<const Index> corners, std::span<const TriangleFrame> frames,
+void add_vertex(std::span<const Index> corners, std::span<const SurfaceFrame> frames,
                 std::span<const float> area, StretchModel& model) {
     Vec3 normal_sum(0.0f);
     float area_sum = 0.0f;
@@ -110,7 +110,7 @@ Principal principal(const Tensor2& t) {
 StretchModel build_stretch(const Surface& surface) {
     const size_t triangles = surface.triangles.size();
     StretchModel model;
-    std::vector<TriangleFrame> frames(triangles);
+    std::vector<SurfaceFrame> frames(triangles);
     std::vector<float> area(triangles);
     model.inverse_rest.assign(triangles, glm::mat2(0.0f));
     for (size_t t = 0; t < triangles; ++t) {

@@ -26,7 +26,7 @@ constexpr int kCorrections = 6;
 constexpr float kUpright = 0.1f;
 
 // The frame of a vertex: its normal, and a tangent towards a neighbour. Zero where these are parallel.
-TriangleFrame frame_at(std::span<const Vec3> positions, std::span<const Vec3> normals, Index v, Index along) {
+SurfaceFrame frame_at(std::span<const Vec3> positions, std::span<const Vec3> normals, Index v, Index along) {
     if (along == kNone) return {};
     const Vec3 side = positions[along] - positions[v];
     return frame_towards(normals[v], side, kUpright * glm::length(side));
@@ -106,7 +106,7 @@ Binding bind_to_finest(const Surface& dense, SparseRows smooth, const SparseRows
     apply<Vec3>(out.nearest, finest_rest, nearest_at);
     const std::vector<Vec3> normals = vertex_normals(dense, rest);
     for (Index v = 0; v < Index(rest.size()); ++v) {
-        const TriangleFrame frame = frame_at(rest, normals, v, out.along[v]);
+        const SurfaceFrame frame = frame_at(rest, normals, v, out.along[v]);
         out.rest_offset.push_back(frame.to_local(out.share[v] * passed[v] - nearest_at[v]));
     }
     return out;
@@ -119,7 +119,7 @@ std::vector<Vec3> bound_offsets(const Binding& binding, const Surface& dense, st
     apply(binding.smooth, to_rows(animated), passed);
     apply(binding.nearest, to_rows(finest), offsets);
     for (Index v = 0; v < Index(offsets.size()); ++v) {
-        const TriangleFrame frame = frame_at(animated, normals, v, binding.along[v]);
+        const SurfaceFrame frame = frame_at(animated, normals, v, binding.along[v]);
         offsets[v] += frame.to_object(binding.rest_offset[v]) - binding.share[v] * passed[v];
         if (binding.share[v] > 0.0f) offsets[v] /= binding.share[v];
     }

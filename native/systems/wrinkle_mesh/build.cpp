@@ -224,7 +224,7 @@ std::vector<Vec3> rest_offsets_of_own(const Model& model, std::span<const Vec3> 
     const Surface& base = model.base;
     const std::vector<Vec3> attached = attached_at_rest(base, model.attachments),
                             normals = vertex_normals(base, base.positions_rest);
-    const std::vector<TriangleFrame> frames = triangle_frames(base, base.positions_rest);
+    const std::vector<SurfaceFrame> frames = triangle_frames(base, base.positions_rest);
     std::vector<Vec3> out;
     for (size_t v = 0; v < own_rest.size(); ++v) {
         const SurfacePoint& place = model.attachments.places[v];

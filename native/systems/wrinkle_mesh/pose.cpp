@@ -157,10 +157,10 @@ std::vector<float> target_lengths(const Settings& settings, const Paint& paint, 
 
 }  // namespace
 
-TriangleFrame smooth_frame(const TriangleFrame& triangle, const Vec3& interpolated_normal) {
+SurfaceFrame smooth_frame(const SurfaceFrame& triangle, const Vec3& interpolated_normal) {
     const float normal_length = glm::length(interpolated_normal);
     if (normal_length < kShortestNormal) return triangle;
-    const TriangleFrame smooth =
+    const SurfaceFrame smooth =
         frame_towards(interpolated_normal / normal_length, triangle.tangent, kShortestNormal);
     return smooth.normal == Vec3(0.0f) ? triangle : smooth;
 }
@@ -216,7 +216,7 @@ Pose make_pose(const Model& model, const Input& input) {
     pose.base = weld_positions(model.base, input.positions);
     pose.base_normals = vertex_normals(model.base, pose.base);
     pose.frames = triangle_frames(model.base, pose.base);
-    for (const TriangleFrame& frame : pose.frames) pose.collapsed += frame.normal == Vec3(0.0f);
+    for (const SurfaceFrame& frame : pose.frames) pose.collapsed += frame.normal == Vec3(0.0f);
     const size_t vertices = model.attached.size();
     pose.attachment.resize(vertices);
     attach(model.base, model.attachments, pose.base, pose.base_normals, pose.attachment);
@@ -255,7 +255,7 @@ Vec3 OffsetFrames::stored(size_t v, const Vec3& offset) const {
 std::vector<Vec3> OffsetFrames::in_object(const State& state) const {
     std::vector<Vec3> out(state.offset.size());
     for_each_index(out.size(), kLeastSteps, [&](size_t v) {
-        const TriangleFrame& frame = pose_.frames[model_.attachments.places[v].triangle];
+        const SurfaceFrame& frame = pose_.frames[model_.attachments.places[v].triangle];
         out[v] = world_ ? object_from_world_ * state.offset[v] : frame.to_object(state.offset[v]);
     });
     return out;

@@ -19,16 +19,16 @@ namespace rumple::wrinkle_mesh {
 struct Pose {
     std::vector<Vec3> base;  // welded vertices
     std::vector<Vec3> base_normals;
-    std::vector<TriangleFrame> frames;  // per base triangle
-    std::vector<Vec3> attachment;       // a_i
-    std::vector<Vec3> unwrinkled;       // attachments of layers without folds; empty: no layers
-    std::vector<SpareCloth> spare;      // of the base, at the attachments; empty: folds along any line
-    std::vector<float> to_spare;        // 0..1: usable share of the pre-stretch; empty: all of it
-    std::vector<GuidedStrain> guided;   // of the base, at the attachments; empty: no painted directions
-    std::vector<Vec3> normal;           // interpolated base normals at the attachments, unit or zero
-    std::vector<Vec3> floor;            // unit: away from what is worn under each; empty: the normals
-    std::vector<float> gap;             // how far each may move inwards, object units, >= 0; empty: no limit
-    std::vector<Index> body;            // the triangle of a body near each, or kNone; empty: no bodies
+    std::vector<SurfaceFrame> frames;  // per base triangle
+    std::vector<Vec3> attachment;      // a_i
+    std::vector<Vec3> unwrinkled;      // attachments of layers without folds; empty: no layers
+    std::vector<SpareCloth> spare;     // of the base, at the attachments; empty: folds along any line
+    std::vector<float> to_spare;       // 0..1: usable share of the pre-stretch; empty: all of it
+    std::vector<GuidedStrain> guided;  // of the base, at the attachments; empty: no painted directions
+    std::vector<Vec3> normal;          // interpolated base normals at the attachments, unit or zero
+    std::vector<Vec3> floor;           // unit: away from what is worn under each; empty: the normals
+    std::vector<float> gap;            // how far each may move inwards, object units, >= 0; empty: no limit
+    std::vector<Index> body;           // the triangle of a body near each, or kNone; empty: no bodies
     // The part of the cloth itself, or of a body in front, that faces each attachment; empty: no bound.
     std::vector<SelfContactSide> self_contact;
     std::vector<float> heights;  // PosedSelfContactMesh::heights() at the attachments; empty: no bound
@@ -84,7 +84,7 @@ void check(const Model& model, const State& state);
 
 // A triangle's frame tilted to the interpolated normal, so that vectors in it do not jump from triangle to
 // triangle. If the normal is not defined: the triangle's own frame. Zero if the triangle has collapsed.
-TriangleFrame smooth_frame(const TriangleFrame& triangle, const Vec3& interpolated_normal);
+SurfaceFrame smooth_frame(const SurfaceFrame& triangle, const Vec3& interpolated_normal);
 
 // Converts offsets between object space and the form that State stores.
 class OffsetFrames {

@@ -100,7 +100,7 @@ Adaptive place_pairs(const Model& model) {
     std::vector<std::vector<Index>> at;
     at.reserve(places.size());
     for (const SurfacePoint& place : places) at.push_back(triangles_at(place));
-    const std::vector<TriangleFrame> frames = triangle_frames(model.base, model.base.positions_rest);
+    const std::vector<SurfaceFrame> frames = triangle_frames(model.base, model.base.positions_rest);
     for (const Pairs* pairs : {&model.distance, &model.bending}) {
         for (size_t i = 0; i < pairs->size(); ++i) {
             const Index a = pairs->a[i], b = pairs->b[i];

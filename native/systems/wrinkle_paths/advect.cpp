@@ -74,7 +74,7 @@ dvec3 edge_vector(const Model& model, const std::vector<Vec3>& positions, const 
 glm::dmat3 turn_of(const Pose& before, const Pose& now, Index t) {
     const glm::dvec2 turn = rotation(before.base.shapes[t], now.base.shapes[t]);
     const double c = turn.x, s = turn.y;
-    const auto frame = [](const TriangleFrame& f) { return glm::dmat3(f.tangent, f.bitangent, f.normal); };
+    const auto frame = [](const SurfaceFrame& f) { return glm::dmat3(f.tangent, f.bitangent, f.normal); };
     return frame(now.frames[t]) * glm::dmat3(c, s, 0, -s, c, 0, 0, 0, 1) *
            glm::transpose(frame(before.frames[t]));
 }

@@ -65,7 +65,7 @@ std::vector<Vec2> asked_along(const Model& model, const Paint& paint, const Pose
             sum += glm::dot(sum, asked) < 0.0f ? -asked : asked;  // a line without orientation
         }
         const auto at = [&](size_t k) { return model.base.positions_rest[vertex(k)]; };
-        const TriangleFrame frame = triangle_frame(at(0), at(1), at(2));
+        const SurfaceFrame frame = triangle_frame(at(0), at(1), at(2));
         const Vec2 line(glm::dot(sum, frame.tangent), glm::dot(sum, frame.bitangent));
         const float second = line.y / rest.y2, first = (line.x - second * rest.x2) / rest.x1;
         const Vec2 posed(first * now.x1 + second * now.x2, second * now.y2);

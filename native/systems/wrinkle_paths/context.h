@@ -29,7 +29,7 @@ struct PathContext {
     }
     Vec3 vertex(Index half_edge) const { return pose.base.positions[model.triangles.net.vertex[half_edge]]; }
     Vec3 to_object(Index triangle, const glm::dvec2& at) const {
-        const TriangleFrame& frame = pose.frames[triangle];
+        const SurfaceFrame& frame = pose.frames[triangle];
         return vertex(3 * triangle) + float(at.x) * frame.tangent + float(at.y) * frame.bitangent;
     }
     glm::dvec2 to_flat(Index triangle, const Vec3& p) const {

@@ -124,8 +124,8 @@ struct Report {
 
 // The pose of the base in one frame. Make it once per frame, for all functions of this frame.
 struct Pose {
-    FlatPose base;                      // u1 of a shape lies along its frame's tangent
-    std::vector<TriangleFrame> frames;  // per triangle
+    FlatPose base;                     // u1 of a shape lies along its frame's tangent
+    std::vector<SurfaceFrame> frames;  // per triangle
     Index collapsed = 0;
 };
 // Throws InvalidInput if positions do not match the model or are not finite.
