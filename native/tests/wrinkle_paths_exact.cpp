@@ -115,14 +115,14 @@ TEST(PathLive, CutsAPathBackToASegmentWithoutLength) {
     cloth.settings.fade = 10.0f;
     State state = cloth.solve(cloth.mesh.positions);
     const Pose pose = make_pose(*cloth.model, cloth.mesh.positions);
-    const PathContext context{*cloth.model, pose, {}, {}, {}};
+    const PathSurface surface{*cloth.model, pose};
     const PathPoint on_edge{1, 0, {0.5f, 0.0f}};  // the middle of the diagonal, (1/16, 1/16)
     ASSERT_EQ(triangle_of(cloth.model->triangles.net.twin[half_edge(on_edge)]), 0);
     state.paths = {{0,
                     1.0f,
                     {{1, kNone, {0.5f, 0.0f}},  // the same place
                      on_edge,
-                     inside(context, 0, {0.0625 + 1.0 / 512.0, 0.0625})}}};
+                     inside(surface, 0, {0.0625 + 1.0 / 512.0, 0.0625})}}};
     ASSERT_EQ(cloth.validate(state), "");
     for (int f = 0; f < 5; ++f) {
         ASSERT_NO_THROW(state = cloth.solve(cloth.mesh.positions, &state));
@@ -141,7 +141,7 @@ TEST(PathSlide, IsTheMinimumOfEquation52) {
     mesh.add_polygon({1, 0, 3});
     PathCloth cloth(mesh);
     const Pose pose = make_pose(*cloth.model, mesh.positions);
-    PathContext context{*cloth.model, pose, {}, {}, {}};
+    PathContext context{{{*cloth.model, pose}}};
     for (int t = 0; t < 2; ++t) {
         const glm::dvec2 x = context.to_flat(t, context.vertex(3 * t) + Vec3(1, 0, 0));
         context.stretch.push_back({2.0f, 1.0f, Vec2(x), true});
@@ -175,7 +175,7 @@ TEST(PathSlide, PassesAVertexToTheEdgesOnItsOtherSide) {
     for (Index k = 0; k < 6; ++k) mesh.add_polygon({0, 1 + k, 1 + (k + 1) % 6});
     PathCloth cloth(mesh);
     const Pose pose = make_pose(*cloth.model, mesh.positions);
-    PathContext context{*cloth.model, pose, {}, {}, {}};
+    PathContext context{{{*cloth.model, pose}}};
     context.compression.assign(6, 2.0f);
     context.activity.assign(6, 1.0f);
     context.stretch.assign(6, {2.0f, 1.0f, {1.0f, 0.0f}, true});

@@ -287,10 +287,10 @@ TEST(WrinklePaths, GrowAndShrinkNoFasterThanTheLimit) {
     bool grew = false;
     cloth.play(0.5, pose, [&](const State& state, const Report&) {
         const Pose stands = make_pose(*cloth.model, pose(state.reference.time));
-        const PathContext context{*cloth.model, stands, {}, {}, {}};
+        const PathSurface surface{*cloth.model, stands};
         std::vector<std::pair<Index, float>> now;
         for (const Path& path : state.paths) {
-            const float length = wrinkle_paths::length(context, path.points);
+            const float length = wrinkle_paths::length(surface, path.points);
             now.emplace_back(path.id, length);
             for (const auto& [id, old] : before) {
                 if (id != path.id) continue;

@@ -283,7 +283,7 @@ TEST(PathShow, SmoothsWhatIsShorterThanTheWidth) {
         fraction = std::clamp(fraction + (i % 2 == 1 ? 0.3f : -0.3f), 0.01f, 0.99f);
     }
     const Pose flat = make_pose(*cloth.model, pose);
-    const std::vector<Vec3> raw = positions(PathContext{*cloth.model, flat, {}, {}, {}}, zigzag.points);
+    const std::vector<Vec3> raw = positions(PathSurface{*cloth.model, flat}, zigzag.points);
     const std::vector<Vec3> line = shown(zigzag);
     ASSERT_GT(spread(raw), 0.1f * cloth.settings.width);
     EXPECT_LT(spread(line), 0.1f * spread(raw));

@@ -107,7 +107,7 @@ TEST(PathWalk, EndsWhenItHasTurnedTooFar) {
     cloth = PathCloth(cloth.mesh);
     const Vec3 middle(0.3f, 0.3f, 0.0f);
     const Pose pose = make_pose(*cloth.model, cloth.mesh.positions);
-    PathContext context{*cloth.model, pose, {}, std::vector<float>(800, 2.0f), std::vector<float>(800, 1.0f)};
+    PathContext context{{{*cloth.model, pose}, std::vector<float>(800, 2.0f)}};
     for (Index t = 0; t < 800; ++t) {
         const Vec3 centre =
             (context.vertex(3 * t) + context.vertex(3 * t + 1) + context.vertex(3 * t + 2)) / 3.0f;

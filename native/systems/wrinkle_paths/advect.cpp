@@ -96,7 +96,7 @@ dvec3 bend(const std::vector<Vec3>& p, size_t i) {
 std::vector<double> slide(const PathContext& context, const Pose& before, const Settings& settings,
                           double seconds, const Points& points) {
     const Model& model = context.model;
-    const PathContext stood{model, before, {}, {}, {}};
+    const PathSurface stood{model, before};
     const std::vector<Vec3> now = positions(context, points), then = positions(stood, points);
     const size_t last = points.size() - 1;
     std::vector<dvec3> edge(points.size(), dvec3(0.0));  // dp_i / dt_i; the ends do not move on the cloth

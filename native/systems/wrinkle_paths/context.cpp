@@ -94,7 +94,7 @@ void turn_along(const Vec2& along, Stretch& stretch) {
 PathContext make_context(const Model& model, const Settings& settings, const Paint& paint, const Pose& pose,
                          const std::vector<FlatTriangle>& shapes, const std::vector<FlatTriangle>& reference,
                          const std::vector<Stretch>& changes) {
-    PathContext context{model, pose, {}, {}, {}};
+    PathContext context{{{model, pose}}};
     std::vector<SpareCloth> spare;
     if (settings.bend_radius > 0.0f)
         spare = spare_cloth(model.base, model.bent_lines, pose.base.positions, settings.bend_radius);

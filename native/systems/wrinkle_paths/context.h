@@ -11,16 +11,10 @@ namespace rumple::wrinkle_paths {
 
 Pose make_welded_pose(const Model& model, std::vector<Vec3> welded);
 
-// The environment of paths: the pose, and the compression of its triangles.
-struct PathContext {
+// What paths lie on: the triangles of the base in a pose.
+struct PathSurface {
     const Model& model;
     const Pose& pose;
-    std::vector<Stretch> stretch;    // per triangle
-    std::vector<float> compression;  // lambda~_min after the mask; 1 if unknown
-    std::vector<float> activity;     // 0: shape unchanged recently, 1: moves
-    std::vector<float> widths{};     // State::width
-
-    float width(Index triangle) const { return widths.empty() ? 1.0f : widths[triangle]; }
 
     // Corners of a triangle in its plane: (0, 0), u1, u2.
     glm::dvec2 corner(Index triangle, Index k) const {
@@ -28,14 +22,25 @@ struct PathContext {
         return k == 0 ? glm::dvec2(0.0) : k == 1 ? glm::dvec2(shape.x1, 0.0) : glm::dvec2(shape.x2, shape.y2);
     }
     Vec3 vertex(Index half_edge) const { return pose.base.positions[model.triangles.net.vertex[half_edge]]; }
-    Vec3 to_object(Index triangle, const glm::dvec2& at) const {
-        const SurfaceFrame& frame = pose.frames[triangle];
-        return vertex(3 * triangle) + float(at.x) * frame.tangent + float(at.y) * frame.bitangent;
-    }
     glm::dvec2 to_flat(Index triangle, const Vec3& p) const {
         const Vec3 local = pose.frames[triangle].to_local(p - vertex(3 * triangle));
         return {local.x, local.y};
     }
+};
+
+// ... and what the shapes of folds depend on.
+struct FoldContext : PathSurface {
+    std::vector<float> compression{};  // per triangle: lambda~_min after the mask; 1 if unknown
+    std::vector<float> widths{};       // State::width
+
+    float width(Index triangle) const { return widths.empty() ? 1.0f : widths[triangle]; }
+};
+
+// ... and what starts and moves paths.
+struct PathContext : FoldContext {
+    std::vector<Stretch> stretch{};  // per triangle
+    std::vector<float> activity{};   // per triangle, 0: shape unchanged recently, 1: moves
+
     Vec3 across(Index triangle) const {  // e_i of eq. 5.2: direction of strongest compression
         return pose.frames[triangle].to_object(Vec3(stretch[triangle].direction, 0.0f));
     }

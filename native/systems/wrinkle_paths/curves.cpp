@@ -17,26 +17,26 @@ namespace {
 constexpr int kMostSteps = 32;
 
 // Barycentric weights of a point projected to the plane of a triangle.
-Vec3 weights_of(const PathContext& context, Index triangle, const Vec3& p) {
-    const FlatTriangle& shape = context.pose.base.shapes[triangle];
+Vec3 weights_of(const PathSurface& surface, Index triangle, const Vec3& p) {
+    const FlatTriangle& shape = surface.pose.base.shapes[triangle];
     if (!shape.has_area()) return {1.0f, 0.0f, 0.0f};
-    const glm::dvec2 at = context.to_flat(triangle, p);
+    const glm::dvec2 at = surface.to_flat(triangle, p);
     const double v = at.y / shape.y2, u = (at.x - v * shape.x2) / shape.x1;
     return {float(1.0 - u - v), float(u), float(v)};
 }
 
 // The place below a point, by a walk towards it from its segment's triangle. At a border the weights are
 // clamped.
-SurfacePoint place_of(const PathContext& context, Index triangle, const Vec3& p) {
-    Vec3 weights = weights_of(context, triangle, p);
+SurfacePoint place_of(const PathSurface& surface, Index triangle, const Vec3& p) {
+    Vec3 weights = weights_of(surface, triangle, p);
     for (int step = 0; step < kMostSteps; ++step) {
         const Index least =
             weights.x < weights.y ? (weights.x < weights.z ? 0 : 2) : (weights.y < weights.z ? 1 : 2);
         if (weights[least] >= 0.0f) break;
-        const Index twin = context.model.triangles.net.twin[next_in_triangle(3 * triangle + least)];
+        const Index twin = surface.model.triangles.net.twin[next_in_triangle(3 * triangle + least)];
         if (twin == kNone) break;
         triangle = triangle_of(twin);
-        weights = weights_of(context, triangle, p);
+        weights = weights_of(surface, triangle, p);
     }
     weights = glm::max(weights, 0.0f);
     weights /= weights.x + weights.y + weights.z;
@@ -85,10 +85,10 @@ RidingCurves ride(const Model& model, const Settings& settings, const Pose& pose
         moved = make_pose(model, animated);
     }
     const Pose& ridden = moved ? *moved : pose;
-    const PathContext context{model, pose, {}, {}, {}};
+    const PathSurface surface{model, pose};
     const SmoothBase smooth(model, pose);
     for (size_t i = 0; i < crests.positions.size(); ++i) {
-        const SurfacePoint place = place_of(context, crests.triangle[i], crests.positions[i]);
+        const SurfacePoint place = place_of(surface, crests.triangle[i], crests.positions[i]);
         crests.height[i] *= hem_weight(model, settings, place);
         crests.positions[i] = smooth.at(place) + crests.height[i] * smooth.normal_at(place);
         out.weights.push_back({place.b0, place.b1});

@@ -10,13 +10,13 @@ namespace rumple::wrinkle_paths {
 
 class TriangleFlood {
   public:
-    explicit TriangleFlood(const PathContext& context) : context_(context) {}
+    explicit TriangleFlood(const PathSurface& surface) : surface_(surface) {}
 
     // Calls found(t) once for the triangle, and for every triangle reached from it over edges [a, b] for
     // which crosses(a, b) is true. Stops if found() returns true. Returns whether it did.
     template <typename Crosses, typename Found>
     bool visit(Index triangle, const Crosses& crosses, const Found& found) {
-        if (seen_.empty()) seen_.assign(context_.model.triangles.rest.size(), 0);
+        if (seen_.empty()) seen_.assign(surface_.model.triangles.rest.size(), 0);
         front_.assign(1, triangle);
         seen_[triangle] = ++query_;
         while (!front_.empty()) {
@@ -24,9 +24,9 @@ class TriangleFlood {
             front_.pop_back();
             if (found(t)) return true;
             for (Index h = 3 * t; h < 3 * t + 3; ++h) {
-                const Index twin = context_.model.triangles.net.twin[h];
+                const Index twin = surface_.model.triangles.net.twin[h];
                 if (twin == kNone || seen_[triangle_of(twin)] == query_) continue;
-                if (!crosses(context_.vertex(h), context_.vertex(next_in_triangle(h)))) continue;
+                if (!crosses(surface_.vertex(h), surface_.vertex(next_in_triangle(h)))) continue;
                 seen_[triangle_of(twin)] = query_;
                 front_.push_back(triangle_of(twin));
             }
@@ -35,7 +35,7 @@ class TriangleFlood {
     }
 
   private:
-    const PathContext& context_;
+    const PathSurface& surface_;
     std::vector<Index> seen_;  // per triangle: number of the last query that reached it
     std::vector<Index> front_;
     Index query_ = 0;

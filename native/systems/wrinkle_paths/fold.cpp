@@ -64,7 +64,7 @@ Vec3 smoothed(const std::vector<RawPoint>& points, const std::vector<float>& arc
 }
 
 // Section 6.2: smooths a path, because a fold cannot bend within its own width.
-void smooth(const PathContext& context, const Settings& settings, const Path& path, Fold& fold) {
+void smooth(const FoldContext& context, const Settings& settings, const Path& path, Fold& fold) {
     const std::vector<Vec3> points = positions(context, path.points);
     std::vector<RawPoint> raw;
     for (size_t i = 0; i + 1 < points.size(); ++i) {
@@ -102,7 +102,7 @@ class AlongPath {
   public:
     // value_of: the value of a triangle.
     template <typename Value>
-    AlongPath(const PathContext& context, const Path& path, const Fold& fold,
+    AlongPath(const FoldContext& context, const Path& path, const Fold& fold,
               const std::vector<float>& arc_length, Value&& value_of) {
         for (size_t i = 0; i + 1 < path.points.size(); ++i)
             add(arc_length[fold.first[i + 1]], value_of(segment_triangle(context.model, path.points, i)));
@@ -129,7 +129,7 @@ class AlongPath {
 
 // Section 6.1: a fold is L_max wide and flat at its ends, and as narrow as the compression requires between
 // them. Below tau its height decreases, to zero at the compression down to which paths grow.
-void shape(const PathContext& context, const Settings& settings, const Path& path, Fold& fold) {
+void shape(const FoldContext& context, const Settings& settings, const Path& path, Fold& fold) {
     std::vector<FoldEnd>& ends = fold.ends;
     const std::vector<float> arc_length = lengths_along(ends);
     const float most = kMostRatio * settings.width;  // s = L_max, if no smaller width is painted
@@ -162,7 +162,7 @@ Vec3 unit(const Vec3& v) {
     return size > kShortestEdge ? v / size : Vec3(0.0f);
 }
 
-Fold make_fold(const PathContext& context, const Settings& settings, const Path& path) {
+Fold make_fold(const FoldContext& context, const Settings& settings, const Path& path) {
     Fold fold;
     smooth(context, settings, path, fold);
     shape(context, settings, path, fold);

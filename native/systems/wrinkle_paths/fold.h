@@ -11,8 +11,7 @@ struct Fold {
     std::vector<formulas::FoldEnd> ends;  // of the pieces
     std::vector<Index> first;             // segments + 1, into pieces
 };
-// Only the context's pose and compression are used.
-Fold make_fold(const PathContext& context, const Settings& settings, const Path& path);
+Fold make_fold(const FoldContext& context, const Settings& settings, const Path& path);
 
 // The unit vector, or zero.
 Vec3 unit(const Vec3& v);

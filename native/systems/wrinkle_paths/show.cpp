@@ -67,7 +67,7 @@ void sort_by_triangle(std::vector<Reached>& reached, Index triangles, TriangleLi
     }
 }
 
-TriangleLists build_triangle_lists(const PathContext& context, const Settings& settings,
+TriangleLists build_triangle_lists(const FoldContext& context, const Settings& settings,
                                    const std::vector<Path>& paths) {
     TriangleLists out;
     TriangleFlood flood(context);
@@ -117,7 +117,7 @@ bool may_reach(const Ball& ball, const Vec3& p, float radius) {
 }
 
 // Collects the pieces that are not flat somewhere in a triangle.
-void pieces_at(const PathContext& context, const TriangleLists& lists, const std::vector<Ball>& balls,
+void pieces_at(const FoldContext& context, const TriangleLists& lists, const std::vector<Ball>& balls,
                Index triangle, std::vector<Index>& pieces) {
     const Vec3 a = context.vertex(3 * triangle), b = context.vertex(3 * triangle + 1),
                c = context.vertex(3 * triangle + 2), middle = (a + b + c) / 3.0f;
@@ -144,7 +144,7 @@ float height_at(const TriangleLists& lists, const std::vector<Ball>& balls, cons
 }
 
 // Heights of the fine vertices in a range of triangles.
-void fine_heights(const PathContext& context, const Settings& settings, const TriangleLists& lists,
+void fine_heights(const FoldContext& context, const Settings& settings, const TriangleLists& lists,
                   const std::vector<Ball>& balls, Team::Range triangles, std::vector<float>& height) {
     const Model& model = context.model;
     std::vector<Index> pieces;
@@ -170,7 +170,7 @@ struct Lifted {
 };
 
 // Every fine vertex is in one triangle, so no two threads write the same one.
-Lifted lift(const PathContext& context, const Settings& settings, const TriangleLists& lists) {
+Lifted lift(const FoldContext& context, const Settings& settings, const TriangleLists& lists) {
     const Model& model = context.model;
     const std::vector<Vec3>& base = context.pose.base.positions;
     const size_t vertices = model.attachments.places.size();
@@ -192,7 +192,7 @@ Lifted lift(const PathContext& context, const Settings& settings, const Triangle
 }
 
 // The context of a state's paths in a pose. Checks its arguments.
-PathContext shown_context(const Model& model, const Settings& settings, const Pose& pose,
+FoldContext shown_context(const Model& model, const Settings& settings, const Pose& pose,
                           const State& state) {
     check(settings);
     expect_count("state.compression", state.compression.size(), model.triangles.rest.size(), "triangles");
@@ -200,14 +200,14 @@ PathContext shown_context(const Model& model, const Settings& settings, const Po
         expect_count("state.width", state.width.size(), model.triangles.rest.size(), "triangles");
     const std::string wrong = validate(model, state.paths);
     if (!wrong.empty()) throw InvalidInput("state.paths: " + wrong);
-    return {model, pose, {}, state.compression, {}, state.width};
+    return {{model, pose}, state.compression, state.width};
 }
 
 }  // namespace
 
 void show(const Model& model, const Settings& settings, const Pose& pose, const State& state,
           Picture& picture) {
-    const PathContext context = shown_context(model, settings, pose, state);
+    const FoldContext context = shown_context(model, settings, pose, state);
     const Lifted lifted = lift(context, settings, build_triangle_lists(context, settings, state.paths));
     show_frame(model.base, model.shown, model.stretch, pose.base.positions, pose.frames, lifted.positions,
                lifted.offset, picture);
@@ -221,7 +221,7 @@ TriangleLists build_triangle_lists(const Model& model, const Settings& settings,
 }
 
 Curves curves(const Model& model, const Settings& settings, const Pose& pose, const State& state) {
-    const PathContext context = shown_context(model, settings, pose, state);
+    const FoldContext context = shown_context(model, settings, pose, state);
     Curves out;
     for (const Path& path : state.paths) {
         const Fold fold = make_fold(context, settings, path);

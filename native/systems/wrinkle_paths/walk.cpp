@@ -29,10 +29,10 @@ struct Exit {
 };
 
 // Where a line from `at` leaves a triangle. It cannot leave by its entry edge.
-Exit leave(const PathContext& context, Index triangle, const dvec2& at, const dvec2& direction, Index entry) {
+Exit leave(const PathSurface& surface, Index triangle, const dvec2& at, const dvec2& direction, Index entry) {
     Exit out;
     for (Index k = 0; k < 3; ++k) {
-        const dvec2 from = context.corner(triangle, k), edge = context.corner(triangle, (k + 1) % 3) - from;
+        const dvec2 from = surface.corner(triangle, k), edge = surface.corner(triangle, (k + 1) % 3) - from;
         const double outward = cross(direction, edge);  // > 0: the inside is to the left of every edge
         if (k == entry || outward <= 0.0) continue;
         const double distance = std::max(cross(from - at, edge) / outward, 0.0);
@@ -43,9 +43,9 @@ Exit leave(const PathContext& context, Index triangle, const dvec2& at, const dv
 }
 
 // A direction transferred over an edge by unfolding: its components along and across the edge stay the same.
-dvec2 unfolded(const PathContext& context, const dvec2& direction, Index triangle, Index edge, Index twin) {
+dvec2 unfolded(const PathSurface& surface, const dvec2& direction, Index triangle, Index edge, Index twin) {
     const auto unit_edge = [&](Index t, Index k) {
-        return glm::normalize(context.corner(t, (k + 1) % 3) - context.corner(t, k));
+        return glm::normalize(surface.corner(t, (k + 1) % 3) - surface.corner(t, k));
     };
     const dvec2 from = unit_edge(triangle, edge), to = unit_edge(triangle_of(twin), twin % 3);
     const double along = glm::dot(direction, from), outward = cross(direction, from);
@@ -71,13 +71,13 @@ dvec2 turned(const PathContext& context, Index triangle, const dvec2& ahead, con
 
 // The distance along [at, at + distance direction] to the first crossing with other segments of the triangle;
 // `distance` if there is none.
-double distance_to_crossing(const PathContext& context, const WalkLimits& limits, Index triangle,
+double distance_to_crossing(const PathSurface& surface, const WalkLimits& limits, Index triangle,
                             const dvec2& at, const dvec2& direction, double distance) {
     if (!limits.others) return distance;
     double nearest = distance;
     limits.others->in_triangle(triangle, [&](const SegmentMap::Segment& s) {
         double fraction = 0.0;
-        const dvec2 a = context.to_flat(triangle, s.a), b = context.to_flat(triangle, s.b);
+        const dvec2 a = surface.to_flat(triangle, s.a), b = surface.to_flat(triangle, s.b);
         if (segments_cross(at, at + distance * direction, a, b, fraction))
             nearest = std::min(nearest, fraction * distance);
     });
@@ -96,47 +96,47 @@ bool segments_cross(const dvec2& a, const dvec2& b, const dvec2& c, const dvec2&
     return true;
 }
 
-Vec3 position(const PathContext& context, const PathPoint& p) {
+Vec3 position(const PathSurface& surface, const PathPoint& p) {
     if (p.edge == kNone) {
-        const Vec3 a = context.vertex(3 * p.triangle);
-        return a + p.at.x * (context.vertex(3 * p.triangle + 1) - a) +
-               p.at.y * (context.vertex(3 * p.triangle + 2) - a);
+        const Vec3 a = surface.vertex(3 * p.triangle);
+        return a + p.at.x * (surface.vertex(3 * p.triangle + 1) - a) +
+               p.at.y * (surface.vertex(3 * p.triangle + 2) - a);
     }
     const Index h = half_edge(p);
-    return glm::mix(context.vertex(h), context.vertex(next_in_triangle(h)), p.at.x);
+    return glm::mix(surface.vertex(h), surface.vertex(next_in_triangle(h)), p.at.x);
 }
 
-std::vector<Vec3> positions(const PathContext& context, const std::vector<PathPoint>& points) {
+std::vector<Vec3> positions(const PathSurface& surface, const std::vector<PathPoint>& points) {
     std::vector<Vec3> out(points.size());
     std::transform(points.begin(), points.end(), out.begin(),
-                   [&](const PathPoint& p) { return position(context, p); });
+                   [&](const PathPoint& p) { return position(surface, p); });
     return out;
 }
 
-float length(const PathContext& context, const std::vector<PathPoint>& points) {
-    const std::vector<Vec3> at = positions(context, points);
+float length(const PathSurface& surface, const std::vector<PathPoint>& points) {
+    const std::vector<Vec3> at = positions(surface, points);
     float sum = 0.0f;
     for (size_t i = 0; i + 1 < at.size(); ++i) sum += glm::distance(at[i], at[i + 1]);
     return sum;
 }
 
-float weighted_compression(const PathContext& context, Index triangle) {
+float weighted_compression(const FoldContext& context, Index triangle) {
     const float weight = std::min(1.0f, 2.0f * context.model.quality[triangle]);
     return 1.0f + weight * (context.compression[triangle] - 1.0f);
 }
 
-dvec2 flat_in(const PathContext& context, Index triangle, const PathPoint& p) {
+dvec2 flat_in(const PathSurface& surface, Index triangle, const PathPoint& p) {
     const auto along = [&](Index k, double fraction) {
-        return glm::mix(context.corner(triangle, k), context.corner(triangle, (k + 1) % 3), fraction);
+        return glm::mix(surface.corner(triangle, k), surface.corner(triangle, (k + 1) % 3), fraction);
     };
     if (p.edge == kNone)
-        return double(p.at.x) * context.corner(triangle, 1) + double(p.at.y) * context.corner(triangle, 2);
+        return double(p.at.x) * surface.corner(triangle, 1) + double(p.at.y) * surface.corner(triangle, 2);
     if (p.triangle == triangle) return along(p.edge, p.at.x);
-    return along(twin_of(context.model, p) % 3, 1.0 - p.at.x);
+    return along(twin_of(surface.model, p) % 3, 1.0 - p.at.x);
 }
 
-PathPoint inside(const PathContext& context, Index triangle, const dvec2& at) {
-    const dvec2 u1 = context.corner(triangle, 1), u2 = context.corner(triangle, 2);
+PathPoint inside(const PathSurface& surface, Index triangle, const dvec2& at) {
+    const dvec2 u1 = surface.corner(triangle, 1), u2 = surface.corner(triangle, 2);
     const double y = std::clamp(at.y / u2.y, 0.0, 1.0);
     const double x = std::clamp((at.x - y * u2.x) / u1.x, 0.0, 1.0 - y);
     return {triangle, kNone, Vec2(float(x), float(y))};
@@ -153,9 +153,9 @@ std::vector<PathPoint> reversed(const Model& model, const std::vector<PathPoint>
 }
 
 void SegmentMap::add(const std::vector<PathPoint>& points) {
-    const std::vector<Vec3> at = positions(context_, points);
+    const std::vector<Vec3> at = positions(surface_, points);
     for (size_t i = 0; i + 1 < points.size(); ++i) {
-        const Index triangle = segment_triangle(context_.model, points, i);
+        const Index triangle = segment_triangle(surface_.model, points, i);
         segments_.push_back({at[i], at[i + 1], first_[triangle]});
         first_[triangle] = static_cast<Index>(segments_.size()) - 1;
     }
@@ -171,15 +171,15 @@ bool SegmentMap::has_near(Index triangle, const Vec3& p, float radius) const {
     });
 }
 
-double turning(const PathContext& context, const std::vector<PathPoint>& points) {
+double turning(const PathSurface& surface, const std::vector<PathPoint>& points) {
     double sum = 0.0;
     for (size_t i = 1; i + 1 < points.size(); ++i) {
-        const Index t = points[i].triangle, twin = twin_of(context.model, points[i]);
+        const Index t = points[i].triangle, twin = twin_of(surface.model, points[i]);
         const Index next = triangle_of(twin);
-        const dvec2 before = flat_in(context, t, points[i]) - flat_in(context, t, points[i - 1]);
-        const dvec2 after = flat_in(context, next, points[i + 1]) - flat_in(context, next, points[i]);
-        if (!context.pose.base.shapes[t].has_area() || !context.pose.base.shapes[next].has_area()) continue;
-        sum += angle_to(unfolded(context, before, t, points[i].edge, twin), after);
+        const dvec2 before = flat_in(surface, t, points[i]) - flat_in(surface, t, points[i - 1]);
+        const dvec2 after = flat_in(surface, next, points[i + 1]) - flat_in(surface, next, points[i]);
+        if (!surface.pose.base.shapes[t].has_area() || !surface.pose.base.shapes[next].has_area()) continue;
+        sum += angle_to(unfolded(surface, before, t, points[i].edge, twin), after);
     }
     return sum;
 }

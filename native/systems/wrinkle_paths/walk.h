@@ -8,26 +8,26 @@
 
 namespace rumple::wrinkle_paths {
 
-Vec3 position(const PathContext& context, const PathPoint& p);
-std::vector<Vec3> positions(const PathContext& context, const std::vector<PathPoint>& points);
-float length(const PathContext& context, const std::vector<PathPoint>& points);
+Vec3 position(const PathSurface& surface, const PathPoint& p);
+std::vector<Vec3> positions(const PathSurface& surface, const std::vector<PathPoint>& points);
+float length(const PathSurface& surface, const std::vector<PathPoint>& points);
 
 // The compression of a triangle, weighted by its quality. Thin triangles are not reliable, but have a fifth
 // of all compression.
-float weighted_compression(const PathContext& context, Index triangle);
+float weighted_compression(const FoldContext& context, Index triangle);
 
 // A point of a path in the plane of a triangle that it lies on.
-glm::dvec2 flat_in(const PathContext& context, Index triangle, const PathPoint& p);
+glm::dvec2 flat_in(const PathSurface& surface, Index triangle, const PathPoint& p);
 // A point inside a triangle (weights are held within it).
-PathPoint inside(const PathContext& context, Index triangle, const glm::dvec2& at);
+PathPoint inside(const PathSurface& surface, Index triangle, const glm::dvec2& at);
 // The same points from the other end.
 std::vector<PathPoint> reversed(const Model& model, const std::vector<PathPoint>& points);
 
 // Segments of paths by the triangle they lie in.
 class SegmentMap {
   public:
-    explicit SegmentMap(const PathContext& context)
-        : context_(context), first_(context.model.triangles.rest.size(), kNone), flood_(context) {}
+    explicit SegmentMap(const PathSurface& surface)
+        : surface_(surface), first_(surface.model.triangles.rest.size(), kNone), flood_(surface) {}
 
     void add(const std::vector<PathPoint>& points);
 
@@ -46,7 +46,7 @@ class SegmentMap {
     bool has_near(Index triangle, const Vec3& p, float radius) const;
 
   private:
-    const PathContext& context_;
+    const PathSurface& surface_;
     std::vector<Index> first_;  // per triangle
     std::vector<Segment> segments_;
     mutable TriangleFlood flood_;  // temporary data of queries
@@ -72,7 +72,7 @@ Walk walk(const PathContext& context, Index triangle, glm::dvec2 at, glm::dvec2 
           const WalkLimits& limits, std::vector<Index>& visited);
 
 // How far a path turns to the left from its first to its last segment, radians.
-double turning(const PathContext& context, const std::vector<PathPoint>& points);
+double turning(const PathSurface& surface, const std::vector<PathPoint>& points);
 
 // Whether [a, b] and [c, d] cross. fraction: receives the position of the crossing, 0 at a, 1 at b.
 bool segments_cross(const glm::dvec2& a, const glm::dvec2& b, const glm::dvec2& c, const glm::dvec2& d,
