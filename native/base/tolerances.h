@@ -51,6 +51,7 @@ inline constexpr float kPlaceRounding = 2.4e-7f;
 // frames are zero vectors. It is far below any cloth, and far above the smallest float whose square does not
 // underflow.
 inline constexpr float kShortestEdge = 1e-12f;
+inline constexpr float kSmallestArea = kShortestEdge * kShortestEdge;
 
 // Unit: none (length of a sum of unit normals, or of a projected unit tangent). The direction of a shorter
 // vector is noise.

@@ -10,6 +10,7 @@
 #include "base/elementary.h"
 #include "base/expect.h"
 #include "base/random.h"
+#include "base/unit_vector.h"
 
 namespace rumple::force_fields {
 namespace {
@@ -68,11 +69,6 @@ double turbulence(double size, Real3 p) {
     return 2.0 * sum * 4.0 / 7.0 - 1.0;
 }
 
-Real3 unit(const Real3& v) {
-    const double length = glm::length(v);
-    return length > kNearest ? v / length : Real3(0.0);
-}
-
 // -1/2..1, with the distribution of the noise of Blender's effectors: negative values are small, and the mean
 // is 0.17. Only the random numbers differ from Blender's.
 double random_share(std::uint32_t seed, std::uint32_t value) {
@@ -89,7 +85,7 @@ struct Placed {
 };
 
 Placed placed(const Field& field, const Real3& point) {
-    const Real3 axis = unit(Real3(field.axis)), from_origin = point - Real3(field.location);
+    const Real3 axis = unit_or_zero(Real3(field.axis), kNearest), from_origin = point - Real3(field.location);
     const Real3 along = axis * glm::dot(axis, from_origin);
     // A vortex with the shape of a plane acts around the plane's axis.
     const bool is_line =
@@ -129,7 +125,8 @@ struct Sum {
 
 void add_vortex(const Field& field, const Placed& at, double strength, double left, Sum& sum) {
     if (field.shape == Shape::kPoint) {
-        sum.push += unit(glm::cross(at.axis, at.to_point)) * (strength * left * at.distance);
+        sum.push +=
+            unit_or_zero(glm::cross(at.axis, at.to_point), kNearest) * (strength * left * at.distance);
         return;
     }
     // The velocity of a body that rotates with the field, and the force that keeps it on its circle.

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "base/solve_team.h"
+#include "base/unit_vector.h"
 #include "surface/contact/triangle_packets.h"
 #include "surface/mesh/disjoint_sets.h"
 
@@ -62,7 +63,7 @@ std::vector<Polygon> polygons_of(const Surface& surface, const std::vector<std::
             out[p].centre += surface.positions_rest[surface.welded.corner_vertex[c]];
         out[p].centre /= float(surface.welded.polygon_size(p));
         out[p].area = glm::length(half[p]);
-        out[p].normal = unit_or_zero(Vec3(half[p]));
+        out[p].normal = unit_or_zero(Vec3(half[p]), kSmallestArea);
     }
     return out;
 }

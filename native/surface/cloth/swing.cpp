@@ -126,7 +126,7 @@ std::vector<glm::mat3> drag_of(const Frame& frame, const Motion& motion) {
         const std::array<Index, 3> v = welded_vertices(surface, t);
         const Vec3 normal = glm::cross(x[v[1]] - x[v[0]], x[v[2]] - x[v[0]]);
         const float twice_area = glm::length(normal);
-        if (twice_area < kShortestEdge * kShortestEdge) continue;
+        if (twice_area < kSmallestArea) continue;
         const Vec3 n = normal / twice_area;
         const Vec3 met =
             frame.acting.air_at(frame.swing, v) - (velocity[v[0]] + velocity[v[1]] + velocity[v[2]]) / 3.0f;

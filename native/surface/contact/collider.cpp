@@ -8,6 +8,7 @@
 
 #include "base/expect.h"
 #include "base/tolerances.h"
+#include "base/unit_vector.h"
 #include "surface/mesh/disjoint_sets.h"
 #include "surface/mesh/positions.h"
 
@@ -60,7 +61,8 @@ Collider::Collider(std::span<const Vec3> positions, std::span<const std::array<I
         expect_within("worn_within", worn_within, 0.0, kFarthestCoordinate);
         rest_centre_ = centres_of(rest, triangles_);
         for (const auto& [a, b, c] : triangles_)
-            rest_normal_.push_back(unit_or_zero(glm::cross(rest[b] - rest[a], rest[c] - rest[a])));
+            rest_normal_.push_back(
+                unit_or_zero(glm::cross(rest[b] - rest[a], rest[c] - rest[a]), kSmallestArea));
     }
     corners_ = {positions.size(), triangles_};
     hierarchy_ = build_packets(centres_of(positions, triangles_));
@@ -146,7 +148,8 @@ Vec3 PosedCollider::point_of(const Best& best) const {
 Vec3 PosedCollider::normal_of(const Best& best) const {
     const auto& t = collider_.triangles_[best.triangle];
     const std::vector<Row>& normal = normals_.of_vertex;
-    return unit_or_zero(mixed(best.weights, normal[t[0]].vec(), normal[t[1]].vec(), normal[t[2]].vec()));
+    return unit_or_zero(mixed(best.weights, normal[t[0]].vec(), normal[t[1]].vec(), normal[t[2]].vec()),
+                        kSmallestArea);
 }
 
 // Takes the nearest triangle, and the lowest one of equally near triangles, so that the order of the search

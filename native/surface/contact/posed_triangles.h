@@ -27,15 +27,11 @@ struct Box {
     void add(const Row& p) { add(Box{p, p}); }
 };
 
-inline Vec3 unit_or_zero(const Vec3& v) {
-    const float length = std::sqrt(glm::dot(v, v));
-    return length > kShortestEdge * kShortestEdge ? v / length : Vec3(0.0f);
-}
-
-inline Vec3Lanes unit_or_zero(const Vec3Lanes& v) {
+// unit_or_zero() of base/unit_vector.h, with the same bits.
+inline Vec3Lanes unit_or_zero(const Vec3Lanes& v, float least) {
     const Lanes length = square_root(dot(v, v));
     const Vec3Lanes unit{v.x / length, v.y / length, v.z / length};
-    return choose(length > all_lanes(kShortestEdge * kShortestEdge), unit, {});
+    return choose(length > all_lanes(least), unit, {});
 }
 
 // The corners at every vertex, in the order of triangles. Corner k of triangle t is 3 t + k. Built once.
@@ -86,7 +82,7 @@ struct TriangleNormals {
     static void make_unit(std::span<Row> rows) {
         for_each_four_shared(rows.size(), [&](size_t first, size_t) {
             const std::span<Row, kLanes> four = four_from(rows, first);
-            store_rows(unit_or_zero(columns(four)), four);
+            store_rows(unit_or_zero(columns(four), kSmallestArea), four);
         });
     }
 };

@@ -6,6 +6,7 @@
 #include <set>
 #include <utility>
 
+#include "base/unit_vector.h"
 #include "surface/mesh/checks.h"
 #include "surface/mesh/disjoint_sets.h"
 #include "surface/mesh/heal_winding.h"
@@ -141,9 +142,7 @@ glm::dvec3 way_inward(const HealedMesh& healed, std::span<const Vec3> positions,
         return glm::dvec3(positions[healed.vertex_source[healed.mesh.corner_vertex[c]]]);
     };
     const glm::dvec3 along = at(next_corner(healed.mesh, polygon, corner)) - at(corner);
-    const glm::dvec3 way = glm::cross(area_vector(healed, positions, polygon), along);
-    const double length = glm::length(way);
-    return length > 0.0 ? way / length : glm::dvec3(0.0);
+    return unit_or_zero(glm::cross(area_vector(healed, positions, polygon), along), 0.0);
 }
 
 // Determines which polygons stay joined. cut: receives the edges with more than two polygons.

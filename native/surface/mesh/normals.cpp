@@ -14,10 +14,7 @@ void vertex_normals(const Surface& surface, std::span<const Vec3> positions, std
             glm::cross(positions[v[1]] - positions[v[0]], positions[v[2]] - positions[v[0]]);
         for (int k = 0; k < 3; ++k) normals[v[k]] += twice_area;
     }
-    for (Vec3& n : normals) {
-        const float length = glm::length(n);
-        n = length > kShortestEdge * kShortestEdge ? n / length : Vec3(0.0f);
-    }
+    for (Vec3& n : normals) n = unit_or_zero(n, kSmallestArea);
 }
 
 std::vector<Vec3> vertex_normals(const Surface& surface, std::span<const Vec3> positions) {
@@ -31,7 +28,7 @@ SurfaceFrame triangle_frame(const Vec3& p0, const Vec3& p1, const Vec3& p2) {
     const Vec3 n = glm::cross(e1, p2 - p0);
     const float e1_length = glm::length(e1);
     const float n_length = glm::length(n);
-    if (e1_length < kShortestEdge || n_length < kShortestEdge * kShortestEdge) return {};
+    if (e1_length < kShortestEdge || n_length < kSmallestArea) return {};
     SurfaceFrame frame;
     frame.tangent = e1 / e1_length;
     frame.normal = n / n_length;

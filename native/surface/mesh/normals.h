@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "base/tolerances.h"
+#include "base/unit_vector.h"
 #include "surface/mesh/topology.h"
 
 namespace rumple {
@@ -18,8 +19,7 @@ std::vector<Vec3> vertex_normals(const Surface& surface, std::span<const Vec3> p
 
 // Normalises a sum or mean of unit normals: unit length, or zero if they cancel out.
 inline Vec3 direction_of_normals(const Vec3& sum) {
-    const float length = glm::length(sum);
-    return length > kShortestNormal ? sum / length : Vec3(0.0f);
+    return unit_or_zero(sum, kShortestNormal);
 }
 
 // An orthonormal frame of the surface: two axes in its plane, and its normal. Zero vectors (never NaN) where

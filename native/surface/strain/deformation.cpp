@@ -6,6 +6,7 @@
 #include "base/formulas.h"
 #include "base/solve_team.h"
 #include "base/tolerances.h"
+#include "base/unit_vector.h"
 
 namespace rumple {
 namespace {
@@ -170,9 +171,7 @@ void measure_stretch(const Surface& surface, const StretchModel& model, std::spa
         const Principal p = principal(sum);
         out.minimum[i] = std::sqrt(std::max(p.small, 0.0f));
         out.maximum[i] = std::sqrt(std::max(p.large, 0.0f));
-        const Vec3 pushed = gradient[place.triangle] * p.small_direction;
-        const float length = glm::length(pushed);
-        out.direction[i] = length > kShortestEdge ? pushed / length : Vec3(0.0f);
+        out.direction[i] = unit_or_zero(gradient[place.triangle] * p.small_direction, kShortestEdge);
     });
 }
 

@@ -10,6 +10,7 @@
 #include "base/elementary.h"
 #include "base/expect.h"
 #include "base/smooth_step.h"
+#include "base/unit_vector.h"
 #include "surface/refine/triangle_tree.h"
 #include "systems/wrinkle_field/frames.h"
 
@@ -95,10 +96,9 @@ Vec2 pulled_back(const Canvas& canvas, const Dab& dab, size_t v) {
     const Vec3 seen = glm::cross(canvas.normals[v], glm::cross(dab.view, dab.direction));  // tangential
     const Vec3 compression = dab.across ? seen : glm::cross(canvas.normals[v], seen);
     const Vec2 k(glm::dot(canvas.tangent[v], compression), glm::dot(canvas.bitangent[v], compression));
-    const float length = glm::length(k);
     const float most =
         glm::length(compression) * (glm::length(canvas.tangent[v]) + glm::length(canvas.bitangent[v]));
-    return length > kNoDirection * most ? k / length : Vec2(0.0f);
+    return unit_or_zero(k, kNoDirection * most);
 }
 
 std::vector<Request> ask(const Canvas& canvas, const Dab& dab) {
@@ -129,9 +129,7 @@ Request mirrored(const Model& model, std::span<const Request> requests, const Su
         sum +=
             fraction[k] * requests[from].weight * director(carried(model, v, {-there.x, there.y, there.z}));
     }
-    const Vec2 direction = undirected(sum);
-    const float length = glm::length(direction);
-    if (length > kNoDirection * out.weight) out.direction = direction / length;
+    out.direction = unit_or_zero(undirected(sum), kNoDirection * out.weight);
     return out;
 }
 
@@ -139,8 +137,7 @@ Request mirrored(const Model& model, std::span<const Request> requests, const Su
 Request both(const Request& a, const Request& b) {
     Request out{std::max(a.weight, b.weight), {}};
     const Vec2 direction = undirected(a.weight * director(a.direction) + b.weight * director(b.direction));
-    const float length = glm::length(direction);
-    if (length > kNoDirection * out.weight) out.direction = direction / length;
+    out.direction = unit_or_zero(direction, kNoDirection * out.weight);
     return out;
 }
 

@@ -7,6 +7,7 @@
 #include "base/elementary.h"
 #include "base/smooth_step.h"
 #include "base/tolerances.h"
+#include "base/unit_vector.h"
 #include "systems/wrinkle_paths/lifecycle.h"
 
 namespace rumple::wrinkle_paths {
@@ -59,7 +60,7 @@ Vec3 smoothed(const std::vector<RawPoint>& points, const std::vector<float>& arc
     };
     for (size_t j = i; j < arc_length.size() && arc_length[j] - arc_length[i] <= 3.0f * sigma; ++j) add(j);
     for (size_t j = i; j-- > 0 && arc_length[i] - arc_length[j] <= 3.0f * sigma;) add(j);
-    const Vec3 shift = sum / weights - at, normal = unit(normals);
+    const Vec3 shift = sum / weights - at, normal = unit_or_zero(normals, kShortestEdge);
     return at + shift - glm::dot(shift, normal) * normal;
 }
 
@@ -149,18 +150,14 @@ void shape(const FoldContext& context, const Settings& settings, const Path& pat
         end.width = glm::mix(widest, widest / std::max(compression, 1.0f), middle);
         end.height = rise * folded_share(settings, compression) * end.width *
                      height_table(settings.profile).height_over_width(widest / end.width);
-        const Vec3 before = i > 0 ? unit(end.at - ends[i - 1].at) : Vec3(0.0f);
-        const Vec3 after = i + 1 < ends.size() ? unit(ends[i + 1].at - end.at) : Vec3(0.0f);
-        end.along = unit(before + after);
+        const Vec3 before = i > 0 ? unit_or_zero(end.at - ends[i - 1].at, kShortestEdge) : Vec3(0.0f);
+        const Vec3 after =
+            i + 1 < ends.size() ? unit_or_zero(ends[i + 1].at - end.at, kShortestEdge) : Vec3(0.0f);
+        end.along = unit_or_zero(before + after, kShortestEdge);
     }
 }
 
 }  // namespace
-
-Vec3 unit(const Vec3& v) {
-    const float size = glm::length(v);
-    return size > kShortestEdge ? v / size : Vec3(0.0f);
-}
 
 Fold make_fold(const FoldContext& context, const Settings& settings, const Path& path) {
     Fold fold;

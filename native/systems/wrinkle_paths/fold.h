@@ -13,7 +13,4 @@ struct Fold {
 };
 Fold make_fold(const FoldContext& context, const Settings& settings, const Path& path);
 
-// The unit vector, or zero.
-Vec3 unit(const Vec3& v);
-
 }  // namespace rumple::wrinkle_paths

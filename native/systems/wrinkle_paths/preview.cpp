@@ -5,6 +5,8 @@
 #include <bit>
 #include <cmath>
 
+#include "base/tolerances.h"
+#include "base/unit_vector.h"
 #include "systems/wrinkle_paths/context.h"
 #include "systems/wrinkle_paths/fold.h"
 
@@ -103,7 +105,7 @@ Drawn drawn_at(const Model& model, const Settings& settings, const Drawing& draw
     }
     const float fraction = place.interpolate([&](int k) { return hem[k]; });
     const Vec3 flat = interpolate(base, place, drawing.flat),
-               outwards = unit(interpolate(base, place, drawing.normal));
+               outwards = unit_or_zero(interpolate(base, place, drawing.normal), kShortestEdge);
     const formulas::FoldBlend blend =
         folds_at(settings, drawing.lists, place.triangle, flat, outwards, fraction);
     return {pn_triangle(p, n, place.b0, place.b1) + blend.height * outwards,

@@ -7,6 +7,7 @@
 #include "base/expect.h"
 #include "base/solve_team.h"
 #include "base/tolerances.h"
+#include "base/unit_vector.h"
 #include "systems/wrinkle_paths/flood.h"
 #include "systems/wrinkle_paths/fold.h"
 
@@ -185,7 +186,9 @@ Lifted lift(const FoldContext& context, const Settings& settings, const Triangle
     attach(model.base, model.attachments, base, normals, out.positions);
     for_each_index(vertices, kLeastSteps, [&](size_t v) {
         if (out.height[v] == 0.0f) return;
-        out.offset[v] = out.height[v] * unit(interpolate(model.base, model.attachments.places[v], normals));
+        out.offset[v] =
+            out.height[v] *
+            unit_or_zero(interpolate(model.base, model.attachments.places[v], normals), kShortestEdge);
         out.positions[v] += out.offset[v];
     });
     return out;
