@@ -134,11 +134,11 @@ def may_prepare_frame() -> bool:
 
 
 # ---------------------------------------------------------------- structural work
-def request(delay: float = 0.0, until_released: bool = True) -> None:
+def request(delay: float = 0.0) -> None:
     """Do the structural work soon. Several requests are combined, after the last one. A delayed request also waits
     until the mouse is released."""
     global _wanted, _waits_for_mouse
-    _wanted, _waits_for_mouse = True, delay > 0.0 and until_released
+    _wanted, _waits_for_mouse = True, delay > 0.0
     if bpy.app.background or _render_running or not in_main_thread():
         return  # in background, and after a job, the next handler does it; after a render, its end
     timers = bpy.app.timers

@@ -11,6 +11,7 @@ import numpy as np
 from ...native import kernels
 from ..base import transforms
 from ..base.last_result import LastResult
+from ..base.vertices import lengths
 from ..mesh.body import Body, same_at_rest
 from ..mesh.figure_size import size_factor
 from ..paint.hangs_free import FREE, room_factor
@@ -277,10 +278,5 @@ def _all_into_object(object_from_world: np.ndarray, vectors: np.ndarray) -> np.n
     """Like _into_object(), for (n, 3), with lengths limited to MOST. float32."""
     vectors = vectors.astype(np.float64)
     turned = transforms.turned(object_from_world, vectors)
-    length, longest = _lengths(turned), np.minimum(_lengths(vectors), MOST)
-    return (turned * (longest / np.maximum(length, 1e-300))).astype(np.float32)
-
-
-def _lengths(vectors: np.ndarray) -> np.ndarray:
-    """(n, 1) lengths of (n, 3)."""
-    return np.sqrt(vectors[:, :1]**2 + vectors[:, 1:2]**2 + vectors[:, 2:]**2)
+    factor = np.minimum(lengths(vectors), MOST) / np.maximum(lengths(turned), 1e-300)
+    return (turned * factor[:, None]).astype(np.float32)
