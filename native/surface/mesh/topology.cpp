@@ -185,6 +185,16 @@ Surface build_surface(const SurfaceInput& input) {
     return surface;
 }
 
+std::vector<Index> fan_triangles(const PolygonMesh& mesh) {
+    std::vector<Index> triangle_corner;
+    for (Index p = 0; p < mesh.polygons(); ++p) {
+        const Index first = mesh.polygon_start[p];
+        for (Index k = 1; k + 1 < mesh.polygon_size(p); ++k)
+            triangle_corner.insert(triangle_corner.end(), {first, first + k, first + k + 1});
+    }
+    return triangle_corner;
+}
+
 OneRings one_rings(const Surface& surface) {
     std::vector<std::vector<Index>> around(surface.welded.vertex_count);
     for (Index t = 0; t < static_cast<Index>(surface.triangles.size()); ++t) {

@@ -95,6 +95,9 @@ struct SurfaceInput {
 // polygon). The error names the first bad element in the caller's numbering. Cost: O(corners log corners).
 Surface build_surface(const SurfaceInput& input);
 
+// SurfaceInput::triangle_corner of polygons whose triangles meet at their first corner.
+std::vector<Index> fan_triangles(const PolygonMesh& mesh);
+
 // The one-rings: of every welded vertex v the others of the triangles around it, ascending: vertex[start[v]]
 // to vertex[start[v + 1] - 1]. Cost: O(triangles x log valence).
 struct OneRings {

@@ -157,16 +157,9 @@ std::vector<Corners> without_small_parts(const std::vector<Corners>& triangles,
     return out.empty() ? triangles : out;
 }
 
-// The triangles of a polygon meet at its first corner.
 Surface surface_of(std::span<const Vec3> positions, const PolygonMesh& polygons) {
-    std::vector<Index> triangle_corner;
-    for (Index p = 0; p < polygons.polygons(); ++p) {
-        for (Index k = 1; k + 1 < polygons.polygon_size(p); ++k) {
-            const Index first = polygons.polygon_start[p];
-            triangle_corner.insert(triangle_corner.end(), {first, first + k, first + k + 1});
-        }
-    }
-    return build_surface({positions, polygons.polygon_start, polygons.corner_vertex, triangle_corner, false});
+    return build_surface(
+        {positions, polygons.polygon_start, polygons.corner_vertex, fan_triangles(polygons), false});
 }
 
 PolygonMesh polygons_of(const std::vector<Corners>& triangles) {

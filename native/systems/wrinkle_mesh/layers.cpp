@@ -264,15 +264,8 @@ std::vector<Vec3> missed_by_limit(const Layers& layers, size_t layer, std::span<
 
 Surface solved_surface(const Model& layer) {
     const PolygonMesh& mesh = layer.solved;
-    std::vector<Index> triangle_corner;
-    for (Index p = 0; p < mesh.polygons(); ++p) {
-        for (Index k = 1; k + 1 < mesh.polygon_size(p); ++k) {
-            for (const Index c : {Index(0), k, Index(k + 1)})
-                triangle_corner.push_back(mesh.polygon_start[p] + c);
-        }
-    }
-    return build_surface(
-        {layer.positions_rest, mesh.polygon_start, mesh.corner_vertex, triangle_corner, false, mesh.creases});
+    return build_surface({layer.positions_rest, mesh.polygon_start, mesh.corner_vertex, fan_triangles(mesh),
+                          false, mesh.creases});
 }
 
 std::shared_ptr<const Layers> build_layers(Surface base, Index levels, Index display_steps,
