@@ -83,40 +83,35 @@ constexpr double kAnyTriangle = double(std::numeric_limits<Index>::max()) + 1.0;
 
 rumple_base_cloth_kept kept_of(const base_cloth::State& s) {
     const base_cloth::Motion& m = s.motion;
-    rumple_base_cloth_kept kept{flat<float>(s.offset),
-                                s.offset.size(),
-                                s.length.data(),
-                                s.length.size(),
-                                s.clearance.data(),
-                                s.clearance.size(),
-                                s.ahead_height.data(),
-                                s.ahead_height.size(),
-                                s.body_hint.data(),
-                                s.body_hint.size(),
-                                s.contact_hint.data(),
-                                s.contact_hint.size(),
-                                flat<float>(m.position),
-                                m.position.size(),
-                                flat<float>(m.velocity),
-                                m.velocity.size(),
-                                flat<float>(m.animated),
-                                m.animated.size(),
-                                flat<float>(m.animated_before),
-                                m.animated_before.size(),
-                                s.moved,
-                                m.seconds,
-                                m.fastest,
-                                {},
-                                {},
-                                flat<float>(m.air),
-                                m.air.size(),
-                                flat<float>(m.push),
-                                m.push.size()};
-    for (int k = 0; k < 3; ++k) {
-        kept.gravity[k] = m.gravity[k];
-        kept.wind[k] = m.wind[k];
-    }
-    return kept;
+    return {.offset = flat<float>(s.offset),
+            .offset_count = s.offset.size(),
+            .length = s.length.data(),
+            .length_count = s.length.size(),
+            .clearance = s.clearance.data(),
+            .clearance_count = s.clearance.size(),
+            .ahead_height = s.ahead_height.data(),
+            .ahead_height_count = s.ahead_height.size(),
+            .body_hint = s.body_hint.data(),
+            .body_hint_count = s.body_hint.size(),
+            .contact_hint = s.contact_hint.data(),
+            .contact_hint_count = s.contact_hint.size(),
+            .position = flat<float>(m.position),
+            .position_count = m.position.size(),
+            .velocity = flat<float>(m.velocity),
+            .velocity_count = m.velocity.size(),
+            .animated = flat<float>(m.animated),
+            .animated_count = m.animated.size(),
+            .animated_before = flat<float>(m.animated_before),
+            .animated_before_count = m.animated_before.size(),
+            .moved = s.moved,
+            .seconds = m.seconds,
+            .fastest = m.fastest,
+            .gravity = {m.gravity.x, m.gravity.y, m.gravity.z},
+            .wind = {m.wind.x, m.wind.y, m.wind.z},
+            .air = flat<float>(m.air),
+            .air_count = m.air.size(),
+            .push = flat<float>(m.push),
+            .push_count = m.push.size()};
 }
 
 std::vector<Vec3> kept_vectors(const float* data, size_t count, size_t expected, const char* name) {
@@ -262,19 +257,19 @@ rumple_status rumple_base_cloth_state_get_view(const rumple_base_cloth_state* st
                                                rumple_base_cloth_state_view* view) {
     return guarded([&] {
         const base_cloth::Result& r = given(state, "state").result;
-        given(view, "view") = {count(r.positions),
-                               state->model->surface.welded.vertex_count,
-                               count(r.body_hint),
-                               count(r.state.motion.velocity),
-                               count(r.state.offset),
-                               count(r.state.clearance),
-                               r.state.bytes(),
-                               flat<float>(r.positions),
-                               r.gap.data(),
-                               r.body_hint.data(),
-                               flat<float>(r.state.motion.velocity),
-                               flat<float>(r.state.offset),
-                               r.state.clearance.data()};
+        given(view, "view") = {.vertex_count = count(r.positions),
+                               .welded_vertex_count = state->model->surface.welded.vertex_count,
+                               .body_hint_count = count(r.body_hint),
+                               .velocity_count = count(r.state.motion.velocity),
+                               .offset_count = count(r.state.offset),
+                               .clearance_count = count(r.state.clearance),
+                               .bytes = r.state.bytes(),
+                               .positions = flat<float>(r.positions),
+                               .gap = r.gap.data(),
+                               .body_hint = r.body_hint.data(),
+                               .velocity = flat<float>(r.state.motion.velocity),
+                               .offset = flat<float>(r.state.offset),
+                               .clearance = r.state.clearance.data()};
     });
 }
 

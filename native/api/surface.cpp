@@ -63,24 +63,24 @@ void rumple_healed_free(rumple_healed* healed) {
 rumple_status rumple_healed_get_view(const rumple_healed* healed, rumple_healed_view* view) {
     return guarded([&] {
         const HealedMesh& m = given(healed, "healed").mesh;
-        given(view, "view") = {m.mesh.vertex_count,
-                               m.mesh.polygons(),
-                               m.mesh.corners(),
-                               count(m.triangle_corner) / 3,
-                               count(m.turned),
-                               count(m.cut),
-                               count(m.doubled),
-                               count(m.repeated),
-                               m.mesh.polygon_start.data(),
-                               m.mesh.corner_vertex.data(),
-                               m.triangle_corner.data(),
-                               m.vertex_source.data(),
-                               m.corner_source.data(),
-                               m.polygon_source.data(),
-                               m.turned.data(),
-                               flat<int32_t>(m.cut),
-                               flat<int32_t>(m.doubled),
-                               m.repeated.data()};
+        given(view, "view") = {.vertex_count = m.mesh.vertex_count,
+                               .polygon_count = m.mesh.polygons(),
+                               .corner_count = m.mesh.corners(),
+                               .triangle_count = count(m.triangle_corner) / 3,
+                               .turned_count = count(m.turned),
+                               .cut_count = count(m.cut),
+                               .doubled_count = count(m.doubled),
+                               .repeated_count = count(m.repeated),
+                               .polygon_start = m.mesh.polygon_start.data(),
+                               .corner_vertex = m.mesh.corner_vertex.data(),
+                               .triangle_corner = m.triangle_corner.data(),
+                               .vertex_source = m.vertex_source.data(),
+                               .corner_source = m.corner_source.data(),
+                               .polygon_source = m.polygon_source.data(),
+                               .turned = m.turned.data(),
+                               .cut = flat<int32_t>(m.cut),
+                               .doubled = flat<int32_t>(m.doubled),
+                               .repeated = m.repeated.data()};
     });
 }
 
@@ -146,22 +146,22 @@ rumple_status rumple_surface_suggest_follow(const rumple_surface* surface, const
 rumple_status rumple_shown_mesh_get_view(const rumple_shown_mesh* mesh, rumple_shown_mesh_view* view) {
     return guarded([&] {
         const ShownMesh& m = given(mesh, "mesh").mesh;
-        given(view, "view") = {m.mesh.vertex_count,
-                               m.mesh.polygons(),
-                               m.mesh.corners(),
-                               count(m.edges),
-                               count(m.from_solved.index),
-                               m.mesh.polygon_start.data(),
-                               m.mesh.corner_vertex.data(),
-                               m.polygon_source.data(),
-                               flat<int32_t>(m.edges),
-                               flat<int32_t>(m.edge_sources),
-                               flat<float>(m.positions_rest),
-                               flat<int32_t>(m.embedding),
-                               flat<float>(mesh->barycentric),
-                               m.from_solved.start.data(),
-                               m.from_solved.index.data(),
-                               m.from_solved.weight.data()};
+        given(view, "view") = {.vertex_count = m.mesh.vertex_count,
+                               .polygon_count = m.mesh.polygons(),
+                               .corner_count = m.mesh.corners(),
+                               .edge_count = count(m.edges),
+                               .solved_count = count(m.from_solved.index),
+                               .polygon_start = m.mesh.polygon_start.data(),
+                               .corner_vertex = m.mesh.corner_vertex.data(),
+                               .polygon_source = m.polygon_source.data(),
+                               .edges = flat<int32_t>(m.edges),
+                               .edge_sources = flat<int32_t>(m.edge_sources),
+                               .positions_rest = flat<float>(m.positions_rest),
+                               .triangle_vertex = flat<int32_t>(m.embedding),
+                               .barycentric = flat<float>(mesh->barycentric),
+                               .solved_start = m.from_solved.start.data(),
+                               .solved_vertex = m.from_solved.index.data(),
+                               .solved_weight = m.from_solved.weight.data()};
     });
 }
 

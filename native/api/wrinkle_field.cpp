@@ -113,21 +113,21 @@ rumple_status rumple_wrinkle_field_get_view(const rumple_wrinkle_field* model,
     return guarded([&] {
         const rumple_wrinkle_field& h = given(model, "model");
         const Model& m = *h.model;
-        given(view, "view") = {count(m.base.positions_rest),
-                               count(h.neighbours),
-                               m.base.display.vertex_count,
-                               count(m.base.triangles),
-                               count(m.uv),
-                               m.neighbour_start.data(),
-                               h.neighbours.data(),
-                               flat<float>(h.gradients),
-                               flat<float>(m.tangent_rest),
-                               flat<float>(m.bitangent_rest),
-                               m.base.welded_of.data(),
-                               h.triangles.data(),
-                               flat<float>(m.uv),
-                               m.uv_fan.data(),
-                               flat<float>(h.first_directions)};
+        given(view, "view") = {.vertex_count = count(m.base.positions_rest),
+                               .neighbour_count = count(h.neighbours),
+                               .base_vertex_count = m.base.display.vertex_count,
+                               .triangle_count = count(m.base.triangles),
+                               .uv_count = count(m.uv),
+                               .neighbour_start = m.neighbour_start.data(),
+                               .neighbours = h.neighbours.data(),
+                               .gradients = flat<float>(h.gradients),
+                               .tangent_rest = flat<float>(m.tangent_rest),
+                               .bitangent_rest = flat<float>(m.bitangent_rest),
+                               .welded_of = m.base.welded_of.data(),
+                               .triangles = h.triangles.data(),
+                               .uv = flat<float>(m.uv),
+                               .uv_fan = m.uv_fan.data(),
+                               .first_directions = flat<float>(h.first_directions)};
     });
 }
 
@@ -286,19 +286,19 @@ rumple_status rumple_frame_get_waves(const rumple_frame* frame, rumple_frame_wav
     return guarded([&] {
         const auto* p = std::get_if<Picture>(&given(frame, "frame").picture);
         if (!p) throw InvalidInput("frame: expected one of a Wrinkle Field");
-        given(view, "view") = {count(p->positions),
-                               count(p->corner_phase),
-                               count(p->corner_u_gradient),
-                               p->amplitude.data(),
-                               flat<float>(p->direction),
-                               p->phase.data(),
-                               flat<float>(p->corner_phase),
-                               flat<float>(p->corner_weight),
-                               flat<float>(p->corner_wave_vector[0]),
-                               flat<float>(p->corner_wave_vector[1]),
-                               flat<float>(p->corner_wave_vector[2]),
-                               flat<float>(p->corner_u_gradient),
-                               flat<float>(p->corner_v_gradient)};
+        given(view, "view") = {.vertex_count = count(p->positions),
+                               .corner_count = count(p->corner_phase),
+                               .uv_count = count(p->corner_u_gradient),
+                               .amplitude = p->amplitude.data(),
+                               .direction = flat<float>(p->direction),
+                               .phase = p->phase.data(),
+                               .corner_phase = flat<float>(p->corner_phase),
+                               .corner_weight = flat<float>(p->corner_weight),
+                               .corner_wave_vector_0 = flat<float>(p->corner_wave_vector[0]),
+                               .corner_wave_vector_1 = flat<float>(p->corner_wave_vector[1]),
+                               .corner_wave_vector_2 = flat<float>(p->corner_wave_vector[2]),
+                               .corner_u_gradient = flat<float>(p->corner_u_gradient),
+                               .corner_v_gradient = flat<float>(p->corner_v_gradient)};
     });
 }
 

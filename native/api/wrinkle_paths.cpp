@@ -193,16 +193,25 @@ rumple_status rumple_wrinkle_paths_state_get_view(const rumple_wrinkle_paths_sta
     return guarded([&] {
         const State& s = given(state, "state").state;
         const PathArrays& a = state->arrays();
-        given(view, "view") = {view_of(s.reference), flat<float>(s.shapes),
-                               s.shapes.size(),      s.compression.data(),
-                               s.compression.size(), s.width.data(),
-                               s.width.size(),       a.id.data(),
-                               a.id.size(),          a.fade.data(),
-                               a.fade.size(),        a.start.data(),
-                               a.start.size(),       a.triangle_edge.data(),
-                               a.at.size(),          flat<float>(a.at),
-                               a.at.size(),          s.next_id,
-                               bytes_of(s, a)};
+        given(view, "view") = {.reference = view_of(s.reference),
+                               .shapes = flat<float>(s.shapes),
+                               .shapes_count = s.shapes.size(),
+                               .compression = s.compression.data(),
+                               .compression_count = s.compression.size(),
+                               .width = s.width.data(),
+                               .width_count = s.width.size(),
+                               .path_id = a.id.data(),
+                               .path_id_count = a.id.size(),
+                               .path_fade = a.fade.data(),
+                               .path_fade_count = a.fade.size(),
+                               .path_start = a.start.data(),
+                               .path_start_count = a.start.size(),
+                               .point_triangle_edge = a.triangle_edge.data(),
+                               .point_triangle_edge_count = a.at.size(),
+                               .point_at = flat<float>(a.at),
+                               .point_at_count = a.at.size(),
+                               .next_id = s.next_id,
+                               .bytes = bytes_of(s, a)};
     });
 }
 

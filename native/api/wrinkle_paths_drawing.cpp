@@ -106,22 +106,22 @@ void rumple_drawing_free(rumple_drawing* drawing) {
 rumple_status rumple_drawing_get_view(const rumple_drawing* drawing, rumple_drawing_view* view) {
     return guarded([&] {
         const Drawing& d = given(drawing, "drawing").drawing;
-        given(view, "view") = {count(d.flat),
-                               count(d.proxy_offset),
-                               count(d.parts),
-                               count(d.lists.triangle_start) - 1,
-                               count(d.lists.ranges),
-                               count(d.lists.ends),
-                               d.curved,
-                               flat<float>(d.flat),
-                               flat<float>(d.smooth),
-                               flat<float>(d.normal),
-                               d.hem.data(),
-                               flat<int32_t>(d.parts),
-                               flat<float>(d.proxy_offset),
-                               d.lists.triangle_start.data(),
-                               flat<int32_t>(d.lists.ranges),
-                               flat<float>(d.lists.ends)};
+        given(view, "view") = {.vertex_count = count(d.flat),
+                               .base_vertex_count = count(d.proxy_offset),
+                               .part_count = count(d.parts),
+                               .triangle_count = count(d.lists.triangle_start) - 1,
+                               .range_count = count(d.lists.ranges),
+                               .end_count = count(d.lists.ends),
+                               .curved = d.curved,
+                               .flat = flat<float>(d.flat),
+                               .smooth = flat<float>(d.smooth),
+                               .normal = flat<float>(d.normal),
+                               .hem = d.hem.data(),
+                               .parts = flat<int32_t>(d.parts),
+                               .proxy_offset = flat<float>(d.proxy_offset),
+                               .triangle_start = d.lists.triangle_start.data(),
+                               .ranges = flat<int32_t>(d.lists.ranges),
+                               .ends = flat<float>(d.lists.ends)};
     });
 }
 
