@@ -240,7 +240,7 @@ RUMPLE_API rumple_status rumple_rigid_motions(const int32_t* starts, size_t star
 typedef struct rumple_pose {
     const float* positions;  // (n, 3): the deformed base, object space, finite
     size_t positions_count;
-    double time;  // s: frame number / frame rate; read only with an adaptive rest shape
+    double time;  // s: frame number / frame rate; read by Wrinkle Paths, and with an adaptive rest shape
     // From rumple_X_label_clip(): 0 compress, 1 rest, 2 stretch. None: this frame is labelled by itself.
     const uint8_t* labels;  // (t), or none
     size_t labels_count;

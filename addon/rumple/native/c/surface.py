@@ -145,7 +145,7 @@ class Pose(Struct):
     __slots__ = ()
     positions: int | None  # (n, 3): the deformed base, object space, finite
     positions_count: int
-    time: float  # s: frame number / frame rate; read only with an adaptive rest shape
+    time: float  # s: frame number / frame rate; read by Wrinkle Paths, and with an adaptive rest shape
     labels: int | None  # (t), or none
     labels_count: int
     next_positions: int | None  # (n, 3): the next frame, which labelling looks ahead to; or none
