@@ -162,8 +162,8 @@ struct Report {
 struct Result {
     std::vector<Vec3> positions;  // per display vertex, object space
     std::vector<float> gap;       // per display vertex: height above the inner surface, object units, >= 0
-    std::vector<Index>
-        body_hint;  // per display vertex: a triangle of a body near it, or kNone; empty without bodies
+    // Per display vertex: a triangle of a body near it, or kNone; empty without bodies
+    std::vector<Index> body_hint;
     State state;
     Report report;
 };

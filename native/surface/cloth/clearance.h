@@ -11,8 +11,8 @@ namespace rumple {
 
 struct ClearanceSettings {
     float thickness = 0.003f;  // of the cloth: how far it stays off a body, object units, >= 0
-    float unknown =
-        0.01f;  // clearance where no body is found, mostly because it was deleted; object units, >= 0
+    // Clearance where no body is found, mostly because it was deleted; object units, >= 0
+    float unknown = 0.01f;
     float reach = 0.06f;   // bodies farther away are ignored, object units, > 0
     float depth = 0.02f;   // cloth deeper inside a body is not pushed out, object units, > 0
     float spread = 0.06f;  // length over which clearance fades from bodies to `unknown`, object units, > 0

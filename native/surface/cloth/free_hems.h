@@ -14,8 +14,8 @@ namespace rumple::base_cloth {
 struct NearHem {
     Index vertex = kNone;                                     // kNone: its part has no opening
     float distance = std::numeric_limits<float>::infinity();  // object units
-    Index farther =
-        kNone;  // the neighbour that is farthest from hems, if it is farther than the vertex itself
+    // The neighbour that is farthest from hems, if it is farther than the vertex itself
+    Index farther = kNone;
     glm::mat3 frame{0.0f};  // at rest: the normal, across, along the surface towards `farther`
 };
 

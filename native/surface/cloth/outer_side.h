@@ -10,10 +10,10 @@
 namespace rumple {
 
 struct OuterSide {
-    std::vector<bool>
-        polygons;  // per polygon: whether it is on the outer side, or in a part without an inner side
-    float thickness =
-        0.0f;  // object units: the median by area; 0: no thickness is modelled, and all polygons are outer
+    // Per polygon: whether it is on the outer side, or in a part without an inner side
+    std::vector<bool> polygons;
+    // Object units: the median by area; 0: no thickness is modelled, and all polygons are outer
+    float thickness = 0.0f;
 };
 
 // Finds the outer side by the shape at rest. A polygon is opposite to another one if that is behind it, faces

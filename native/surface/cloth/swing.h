@@ -18,8 +18,8 @@ struct Placement {
 
 struct Swing {
     float seconds = 1.0f / 24.0f;  // time since the frame before, >= 0
-    float longest_step =
-        1.0f / 60;  // longest time step, s, > 0: the same value gives the same motion at any frame rate
+    // Longest time step, s, > 0: the same value gives the same motion at any frame rate
+    float longest_step = 1.0f / 60;
     int newton_steps = 4;     // for every time step, >= 1
     float damping = 10.0f;    // damping of the velocity relative to the animated one, 1/s, >= 0
     float locomotion = 0.2f;  // share of the garment's overall motion that causes inertia, 0..1

@@ -19,8 +19,8 @@ struct HealedMesh {
     std::vector<Index> triangle_corner;     // 3 per triangle of a healed polygon: healed corners
     std::vector<Index> turned;              // polygons, ascending, whose winding was reversed
     std::vector<std::array<Index, 2>> cut;  // edges (a < b), ascending, at which some polygons were cut off
-    std::vector<std::array<Index, 2>>
-        doubled;                  // a polygon that was left out, ascending, and the polygon below it
+    // A polygon that was left out, ascending, and the polygon below it
+    std::vector<std::array<Index, 2>> doubled;
     std::vector<Index> repeated;  // polygons, ascending, that use a vertex twice
 };
 

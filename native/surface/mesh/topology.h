@@ -28,8 +28,8 @@ struct PolygonMesh {
     Index vertex_count = 0;
     std::vector<Index> polygon_start{0};
     std::vector<Index> corner_vertex;
-    std::vector<Crease>
-        creases{};  // of edges between two polygons, ascending by (a, b); refinement rounds these edges less
+    // Of edges between two polygons, ascending by (a, b); refinement rounds these edges less
+    std::vector<Crease> creases{};
 
     Index polygons() const { return static_cast<Index>(polygon_start.size()) - 1; }
     Index corners() const { return static_cast<Index>(corner_vertex.size()); }

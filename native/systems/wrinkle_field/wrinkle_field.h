@@ -57,8 +57,8 @@ struct Settings {
     std::uint32_t seed = 0;     // seed of the first phases and of the irregularity
     bool aligned_start = true;  // align() the random first phases; false: random, as in the paper
     int threads = 0;            // 0: chosen by size; the result does not depend on it
-    float bend_radius =
-        0.0f;  // object units, >= 0: lines that bend with a smaller radius get no waves; 0: all may
+    // Object units, >= 0: lines that bend with a smaller radius get no waves; 0: all may
+    float bend_radius = 0.0f;
     bool dissolve = true;  // reduce waves that do not match their neighbours; see dissolve()
     // The shape that compression is measured against: the rest pose, or reference triangles that adapt.
     ReferenceSettings rest{.reference = Reference::kStaticRest};
@@ -75,8 +75,8 @@ struct Paint {
     std::vector<float> mask;         // factor on the amplitude
     std::vector<float> wavelength;   // factor on W
     std::vector<Vec3> rest_wrinkle;  // p of section 7: along the compression, rest space, shorter than 1
-    std::vector<Vec3>
-        along{};  // direction of the waves' crests, object space at rest, length 0..1 (guided_strain.h)
+    // Direction of the waves' crests, object space at rest, length 0..1 (guided_strain.h)
+    std::vector<Vec3> along{};
 };
 
 // Waves only in the shading of the base's triangles, or as geometry of a fine mesh.
@@ -102,8 +102,8 @@ struct Model {
     Output output = Output::kShading;
     bool true_lengths = true;
     std::vector<Index> neighbour_start;  // per welded vertex, into neighbours
-    std::vector<Neighbour>
-        neighbours;                  // along edges of triangles, ascending; the first one defines the frame
+    // Along edges of triangles, ascending; the first one defines the frame
+    std::vector<Neighbour> neighbours;
     NeighbourColumns columns;        // the same neighbours
     std::vector<Vec3> tangent_rest;  // per welded vertex: t and b of its rest frame; zero without a normal
     std::vector<Vec3> bitangent_rest;
@@ -123,8 +123,8 @@ struct Plan {
     FineSource fine;                                     // kGeometry
     AttachmentKind attachment = AttachmentKind::kLimit;  // kGeometry
     std::span<const Vec2> uv;  // per corner of the base, for parallax (kShading); or none
-    bool true_lengths =
-        true;  // equation (1) uses lengths of edges; false: of their projections, as in the paper
+    // Equation (1) uses lengths of edges; false: of their projections, as in the paper
+    bool true_lengths = true;
 };
 
 // Section 3. Throws InvalidInput (too many fine vertices, a uv that is not finite or not one per corner).

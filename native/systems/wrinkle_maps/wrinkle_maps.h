@@ -44,8 +44,8 @@ struct Rig {
 
 // Settings of every frame.
 struct Settings {
-    float gain =
-        1.0f;  // gain of masks where bones move the skin only partly: slope of gained() at 0, 0.1..100
+    // Gain of masks where bones move the skin only partly: slope of gained() at 0, 0.1..100
+    float gain = 1.0f;
     std::vector<float> strength;  // per pose, 0..1: 0 mutes it. Empty: 1 for all
 };
 

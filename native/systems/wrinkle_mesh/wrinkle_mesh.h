@@ -30,8 +30,8 @@ struct Settings {
     Collision collision = Collision::kPlane;
     float inside = 0.4f;          // depth of the collision plane below the surface, in radii, 0..1
     float stretch_relief = 0.3f;  // share of the base's excess length that is accepted, 0..1
-    float buckling_threshold =
-        0.0f;                        // compression of the base that bears no folds, share of the length, 0..1
+    // Compression of the base that bears no folds, share of the length, 0..1
+    float buckling_threshold = 0.0f;
     float compression_limit = 1.3f;  // rest length at most this times the base's length, >= 1
     int hem_rings = 3;               // rings over which r fades to 0 at open borders; 0: no fade
     int iterations = 10;             // from a given state, >= 0
@@ -43,15 +43,16 @@ struct Settings {
     // before. (Not in the paper.)
     float tangential_pull = 0.0f;
     float normal_pull = 0.0f;
-    // Only layers use these (wrinkle_mesh_layers). (Not in the paper.)
+    // Only layers use these, up to `slide` (layers.h). (Not in the paper.)
     float slack = 1.0f;  // length / rest length at which the base pulls the cloth taut, > 0
-    float taut_range =
-        0.0f;         // over which, below that, s goes from slack to prestretch, >= 0; 0: nowhere taut
+    // Range of length / rest length below `slack` over which s goes from slack to prestretch, >= 0; 0:
+    // nowhere taut
+    float taut_range = 0.0f;
     Vec3 hang{0.0f};  // object space, length 0..1: direction of its own weight, which pulls the cloth taut
-    float bend_radius =
-        0.0f;  // object units, >= 0: no folds along lines that bend on less; 0: along any line
-    float contact_gather =
-        1.0f;                // share of compression_limit - 1 where cloth touches what is worn under it, 0..1
+    // Object units, >= 0: no folds along lines that bend on less; 0: along any line
+    float bend_radius = 0.0f;
+    // Share of compression_limit - 1 where cloth touches what is worn under it, 0..1
+    float contact_gather = 1.0f;
     float apart = 0.0f;      // largest movement towards its own cloth / distance to it
     float slide = 0.0f;      // largest movement along the surface / height of its triangles
     float nudge = 0.02f;     // size of the random push on unbuckled vertices, in fine edges, >= 0
@@ -109,8 +110,8 @@ struct Model {
     SparseRows vertex_limit;             // kLimit: limit positions of the base's welded vertices; else empty
     std::vector<std::uint8_t> attached;  // 0: neither attachment nor collision constraint
     std::vector<Vec3> positions_rest;    // per solved vertex, object space
-    std::vector<Vec3>
-        rest_offset;  // own mesh: from surface to rest position, in the smooth frame; else empty
+    // Own mesh: from surface to rest position, in the smooth frame; else empty
+    std::vector<Vec3> rest_offset;
     Pairs distance;
     Pairs bending;
     // Sweeps keep the vertices in rows along the longest axis of the mesh. Each thread works on blocks of
@@ -151,7 +152,7 @@ std::vector<float> carry_paint(const Model& model, std::span<const float> base_v
 
 // The state from frame to frame (section 4: "we store o_i instead of p_i").
 struct State {
-    std::vector<Vec3> offset;          // o_i: in the frame of the base triangle, or in object space (kWorld)
+    std::vector<Vec3> offset;          // o_i: in the frame of the base triangle, or in the world (kWorld)
     std::vector<float> solved_length;  // attachment length of every pair when it was last solved, over
                                        // that by which its rest length was scaled: distance, then bending
     ReferenceState reference{};        // of an adaptive rest shape; else empty
@@ -215,11 +216,11 @@ struct Measures {
     float edge_error_before_max = 0.0f;
     float edge_error_after_rms = 0.0f;  // ... solved
     float edge_error_after_max = 0.0f;
-    float compressed_area_before =
-        1.0f;  // area / rest area where base triangles are below 0.9 of their rest area
+    // Area / rest area where base triangles are below 0.9 of their rest area
+    float compressed_area_before = 1.0f;
     float compressed_area_after = 1.0f;
-    float attachment_violation =
-        0.0f;                     // largest (|o| - r) / r over attached vertices with r > 0, not below 0
+    // Largest (|o| - r) / r over attached vertices with r > 0, not below 0
+    float attachment_violation = 0.0f;
     float largest_offset = 0.0f;  // object units
     std::vector<Vec3> offsets;    // o_i, per solved vertex, in the triangle frame
 };

@@ -32,9 +32,9 @@ struct Settings {
     float width = 0.02f;      // L_min: width of the tightest fold, object units, > 0
     float spacing = 1.12f;    // distance of seeds from folds / width, > 0
     float alignment = 0.4f;   // alpha of eq. 5.2: low: folds stay in place, high: folds turn, >= 0
-    float bend_radius =
-        0.0f;           // object units, >= 0: no folds along lines that bend on less; 0: along any line
-    int hem_rings = 2;  // rings over which compression and height fade towards open borders, >= 0
+    // Object units, >= 0: no folds along lines that bend on less; 0: along any line
+    float bend_radius = 0.0f;
+    int hem_rings = 2;           // rings over which compression and height fade towards open borders, >= 0
     float growth_limit = 0.15f;  // largest change of a fold's length, share per 1/30 s, >= 0
     float fade = 0.15f;          // time in which a fold appears or disappears, seconds, >= 0
     bool persistent = true;      // false: every frame is traced independently (as the thesis's figure 5.2)
