@@ -209,14 +209,10 @@ class SteppedModel(Model):
         return ShownMesh(self, getattr(lib, self.SHOWN)(self, True))
 
 
-F = TypeVar("F", bound="ShownFrame")
-
-
 class ShownFrame(Handle):
     """The shown mesh of one frame, of any system; d vertices."""
 
-    __slots__ = ("_model",)
-    _model: Handle
+    __slots__ = ()
     POINTER, FREE = c.FramePointer, "rumple_frame_free"
     VIEW, LOOK = c.FrameView, "rumple_frame_get_view"
 
@@ -228,23 +224,11 @@ class ShownFrame(Handle):
     stretch_max = Array("(d,) float32, the larger one", FLOAT, "vertex_count")
     stretch_direction = Array("(d, 3) float32, of strongest compression, unit, object space", FLOAT, "vertex_count", 3)
 
-    @classmethod
-    def of(cls: type[F], model: Handle, function: Any, *arguments: Any) -> F:
-        """A frame of a model."""
-        frame = cls.made(function, *arguments)
-        frame._model = model
-        return frame
 
-
-def embed_frame(base: Surface, shown: ShownMesh, positions: np.ndarray, frame: ShownFrame) -> None:
-    """Embeds a frame in other positions, (n, 3) float32, of the base. local_offset is computed again, also in arrays
-    that were read before. base, shown: those of the frame's model."""
-    if shown._model is not frame._model:
-        raise ValueError("frame: it was made for another model")
-    place, count = given(positions, "positions", FLOAT, 3)
-    if count != base.vertex_count:
-        raise ValueError(f"positions: expected {base.vertex_count} vertices, got {count}")
-    lib.rumple_frame_embed(frame, place, count)
+def embed_frame(frame: ShownFrame, positions: np.ndarray) -> None:
+    """Embeds a frame in other positions, (n, 3) float32, of its model's base. local_offset is computed again, also in
+    arrays that were read before. Raises ValueError."""
+    lib.rumple_frame_embed(frame, *given(positions, "positions", FLOAT, 3))
 
 
 # ---------------------------------------------------------------- arguments of all systems

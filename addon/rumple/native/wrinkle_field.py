@@ -283,8 +283,8 @@ def show_wrinkle_field(model: WrinkleFieldModel, settings: WrinkleFieldSettings,
     """The shown mesh for a frame and its state, and the waves for shaders. gap: (n,) float32, how far the waves of a
     fine mesh may move inwards, object units; None: as far as outwards. waves: `solved` of the pose, if the state was
     solved in it with the same settings; None: they are estimated again, with the same bits."""
-    return WrinkleFieldPicture.of(model, lib.rumple_wrinkle_field_show, model, settings, profile, paint.of(model),
-                                  WrinkleFieldPose.of(model, positions), *optional(gap, "gap", FLOAT), waves, state)
+    return WrinkleFieldPicture.made(lib.rumple_wrinkle_field_show, model, settings, profile, paint.of(model),
+                                    WrinkleFieldPose.of(model, positions), *optional(gap, "gap", FLOAT), waves, state)
 
 
 __all__ = ["PROFILE_INTERVALS", "WrinkleFieldModel", "WrinkleFieldPaint", "WrinkleFieldPicture", "WrinkleFieldPose",

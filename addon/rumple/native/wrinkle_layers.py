@@ -149,16 +149,14 @@ def show_wrinkle_layers(model: WrinkleMeshLayers, animated: np.ndarray, position
                         state: WrinkleLayersState, in_viewport: bool = False) -> ShownFrame:
     """The ShownFrame of a solved frame. animated: (n, 3) float32 of the animated base, without base cloth; the shown
     mesh is embedded in it. positions: (n, 3) float32, as in the solve. in_viewport: for model.shown_in_viewport."""
-    return ShownFrame.of(model, lib.rumple_wrinkle_layers_show, model, *given(animated, "animated", FLOAT, 3),
-                         *given(positions, "positions", FLOAT, 3), state, in_viewport)
+    return ShownFrame.made(lib.rumple_wrinkle_layers_show, model, *given(animated, "animated", FLOAT, 3),
+                           *given(positions, "positions", FLOAT, 3), state, in_viewport)
 
 
 class WrinkleTransfer(SteppedModel):
     """Shows the layers of a coarse mesh on the dense mesh. Made by build_wrinkle_transfer."""
 
-    __slots__ = ("coarse", "layers")
-    coarse: CoarseMesh
-    layers: WrinkleMeshLayers
+    __slots__ = ()
     POINTER, FREE = c.WrinkleTransferPointer, "rumple_wrinkle_transfer_free"
     SHOWN = "rumple_wrinkle_transfer_shown"
 
@@ -171,19 +169,15 @@ def build_wrinkle_transfer(base: Surface, coarse: CoarseMesh, layers: WrinkleMes
     plan = lib.rumple_wrinkle_transfer_plan_default()
     plan.level, plan.display_steps, plan.most_vertices = level, display_steps, most_vertices
     plan.viewport_steps = display_steps if viewport_steps is None else viewport_steps
-    transfer = WrinkleTransfer.made(lib.rumple_wrinkle_transfer_build, base, coarse, layers, plan)
-    transfer.coarse, transfer.layers = coarse, layers
-    return transfer
+    return WrinkleTransfer.made(lib.rumple_wrinkle_transfer_build, base, coarse, layers, plan)
 
 
-def show_wrinkle_transfer(transfer: WrinkleTransfer, coarse: CoarseMesh, layers: WrinkleMeshLayers,
-                          animated: np.ndarray, state: WrinkleLayersState, in_viewport: bool = False) -> ShownFrame:
-    """The ShownFrame of a solved frame. animated: (n, 3) float32 of the animated dense mesh, without base cloth.
-    coarse, layers: those that the transfer was built with. in_viewport: for transfer.shown_in_viewport."""
-    if transfer.coarse is not coarse or transfer.layers is not layers:
-        raise ValueError("transfer: it was made for another coarse mesh or other layers")
-    return ShownFrame.of(transfer, lib.rumple_wrinkle_transfer_show, transfer, *given(animated, "animated", FLOAT, 3),
-                         state, in_viewport)
+def show_wrinkle_transfer(transfer: WrinkleTransfer, animated: np.ndarray, state: WrinkleLayersState,
+                          in_viewport: bool = False) -> ShownFrame:
+    """The ShownFrame of a solved frame. animated: (n, 3) float32 of the animated dense mesh, without base cloth. state:
+    of the layers. in_viewport: for transfer.shown_in_viewport. Raises ValueError."""
+    return ShownFrame.made(lib.rumple_wrinkle_transfer_show, transfer, *given(animated, "animated", FLOAT, 3), state,
+                           in_viewport)
 
 
 __all__ = ["WrinkleLayersPaint", "WrinkleLayersState", "WrinkleMeshLayers", "WrinkleTransfer",

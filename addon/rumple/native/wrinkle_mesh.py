@@ -240,8 +240,8 @@ def show_wrinkle_mesh(model: WrinkleMeshModel, settings: WrinkleMeshSettings,
                       world_from_object: np.ndarray | None = None, in_viewport: bool = False) -> ShownFrame:
     """The shown mesh for a frame and its state. positions: see solve_wrinkle_mesh(). in_viewport: for
     model.shown_in_viewport."""
-    return ShownFrame.of(model, lib.rumple_wrinkle_mesh_show, model, settings,
-                         _in_world(model, positions, world_from_object), state, in_viewport)
+    return ShownFrame.made(lib.rumple_wrinkle_mesh_show, model, settings,
+                           _in_world(model, positions, world_from_object), state, in_viewport)
 
 
 def measure_wrinkle_mesh(model: WrinkleMeshModel, settings: WrinkleMeshSettings, paint: WrinkleMeshPaint | None,

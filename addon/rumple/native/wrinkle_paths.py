@@ -157,8 +157,8 @@ def solve_wrinkle_paths(model: WrinklePathsModel, settings: WrinklePathsSettings
 def show_wrinkle_paths(model: WrinklePathsModel, settings: WrinklePathsSettings,
                        positions: np.ndarray | WrinklePathsPose, state: WrinklePathsState) -> WrinklePathsPicture:
     """The shown mesh for a frame and its state."""
-    return WrinklePathsPicture.of(model, lib.rumple_wrinkle_paths_show, model, settings,
-                                  WrinklePathsPose.of(model, positions), state)
+    return WrinklePathsPicture.made(lib.rumple_wrinkle_paths_show, model, settings,
+                                    WrinklePathsPose.of(model, positions), state)
 
 
 def wrinkle_path_fault(state: WrinklePathsState) -> str:

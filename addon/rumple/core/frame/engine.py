@@ -248,7 +248,7 @@ class Wrinkles(SystemSteps):
         """The result, from the native output of a frame. Positions over the base cloth are embedded in the animated
         mesh."""
         if frame_input.cloth is not None:
-            kernels.embed_frame(self.surface, self.shown, frame_input.animated, shown)
+            kernels.embed_frame(shown, frame_input.animated)
         return FrameResult.of(shown, **own)
 
     def _add_rigid_parts(self, result: FrameResult | PreviewFrame, animated: np.ndarray, over: np.ndarray,

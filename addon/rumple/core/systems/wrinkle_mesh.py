@@ -344,8 +344,8 @@ class WrinkleMesh(Wrinkles):
     def _show(self, settings: MeshSettings, positions: np.ndarray, pose: Any, state: Any,
               frame_input: FrameInput) -> FrameResult:
         if self.coarse is not None:
-            return FrameResult.of(kernels.show_wrinkle_transfer(self.transfer, self.coarse, self.model,
-                                                                frame_input.animated, state, frame_input.in_viewport))
+            return FrameResult.of(kernels.show_wrinkle_transfer(self.transfer, frame_input.animated, state,
+                                                                frame_input.in_viewport))
         if self.layer_count:
             return FrameResult.of(kernels.show_wrinkle_layers(self.model, frame_input.animated, positions, state,
                                                               frame_input.in_viewport))
