@@ -203,29 +203,23 @@ def swing_base_cloth(model: BaseClothModel, settings: BaseClothSettings, swing: 
 class ClothCover(Handle):
     """Points of a smooth surface that are kept off bodies. Made by build_cloth_cover."""
 
-    __slots__ = ("base",)
-    base: Surface
+    __slots__ = ()
     POINTER, FREE = c.ClothCoverPointer, "rumple_cloth_cover_free"
 
 
 def build_cloth_cover(surface: Surface) -> ClothCover:
     """The points of a coarse mesh's smooth surface that are kept off bodies."""
-    cover = ClothCover.made(lib.rumple_cloth_cover_build, surface)
-    cover.base = surface
-    return cover
+    return ClothCover.made(lib.rumple_cloth_cover_build, surface)
 
 
-def cover_bodies(surface: Surface, cover: ClothCover, collider: Collider, body_positions: np.ndarray,
-                 positions: np.ndarray, hints: np.ndarray, thickness: float,
-                 depth: float) -> tuple[np.ndarray, np.ndarray]:
+def cover_bodies(cover: ClothCover, collider: Collider, body_positions: np.ndarray, positions: np.ndarray,
+                 hints: np.ndarray, thickness: float, depth: float) -> tuple[np.ndarray, np.ndarray]:
     """(n, 3) float32: how far every vertex must move outwards to keep the smooth surface off the bodies; (n,) float32,
     object units: how far folds around it may go inwards then, 0 where it was lifted, 1e8 where no body is near.
 
     positions: (n, 3) float32 of the cloth, object space. hints: (n,) int32, a triangle of the collider near it or -1.
     thickness, depth: object units; cloth deeper inside than depth is not pushed out.
     """
-    if cover.base is not surface:
-        raise ValueError("cover: it was made for another surface")
     settings = lib.rumple_cloth_cover_settings_default()
     settings.thickness, settings.depth = thickness, depth
     place, count = given(positions, "positions", FLOAT, 3)

@@ -14,20 +14,18 @@ from .surface import Surface
 class CoarseMesh(Handle):
     """A coarse mesh that represents a dense one. Made by build_coarse or as_modelled. m vertices."""
 
-    __slots__ = ("surface", "dense", "spacing")
+    __slots__ = ("surface", "spacing")
     POINTER, FREE = c.CoarsePointer, "rumple_coarse_free"
     VIEW, LOOK = c.CoarseView, "rumple_coarse_get_view"
 
     surface: Surface  # its polygons
-    dense: Surface
     spacing: float | None  # as asked for; None: the mesh is as it was modelled
     dense_vertex = Array("(m,) int32: of every vertex the nearest vertex of the dense mesh", INT, "vertex_count")
     mean_edge = Number("mean length of its edges, object units")
 
-    def positions(self, dense: Surface, positions: np.ndarray) -> np.ndarray:
-        """(n, 3) float32 of the dense mesh's vertices -> (m, 3), so that both smooth surfaces coincide."""
-        if dense is not self.dense:
-            raise ValueError("dense: the coarse mesh was made for another mesh")
+    def positions(self, positions: np.ndarray) -> np.ndarray:
+        """(n, 3) float32 of the dense mesh's vertices -> (m, 3), so that both smooth surfaces coincide. Raises
+        ValueError."""
         place, count = given(positions, "positions", FLOAT, 3)
         out = new(FLOAT, self.view.vertex_count, 3)
         lib.rumple_coarse_positions(self, place, count, address(out), len(out))
@@ -39,7 +37,7 @@ def build_coarse(dense: Surface, spacing: float, part: Surface | None = None) ->
     a surface with some polygons and all vertices of the dense mesh, to represent only these; None: all. Raises
     ValueError if the mesh is too small for it."""
     coarse = CoarseMesh.made(lib.rumple_coarse_build_of, dense, part or dense, spacing)
-    return _completed(coarse, dense, spacing)
+    return _completed(coarse, spacing)
 
 
 def as_modelled(dense: Surface, least_edge: float, part: Surface | None = None) -> CoarseMesh:
@@ -47,11 +45,11 @@ def as_modelled(dense: Surface, least_edge: float, part: Surface | None = None) 
     mean edge is at least least_edge, object units. part: as of build_coarse. Raises ValueError if there is no such
     mesh, or if it is_uneven() for this width."""
     coarse = CoarseMesh.made(lib.rumple_coarse_as_modelled, dense, part or dense, least_edge)
-    return _completed(coarse, dense, None)
+    return _completed(coarse, None)
 
 
-def _completed(coarse: CoarseMesh, dense: Surface, spacing: float | None) -> CoarseMesh:
-    coarse.dense, coarse.spacing, coarse.surface = dense, spacing, Surface.made(lib.rumple_coarse_surface, coarse)
+def _completed(coarse: CoarseMesh, spacing: float | None) -> CoarseMesh:
+    coarse.spacing, coarse.surface = spacing, Surface.made(lib.rumple_coarse_surface, coarse)
     return coarse
 
 

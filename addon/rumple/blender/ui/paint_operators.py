@@ -127,13 +127,13 @@ class _WholeMap(_OnMap):
             painted = self.map_of(obj)
             if self.needs_map and not painted.exists:
                 raise UserError(f"{obj.name}: nothing is painted in {painted.name} yet: paint first")
-            self.change(context, obj, painted)
+            self.change(obj, painted)
         except UserError as error:
             return ui_base.refuse(self, error)
         ui_base.warn(self, shared_mesh.note(obj))
         return {"FINISHED"}
 
-    def change(self, context: bpy.types.Context, obj: bpy.types.Object, painted: PaintedMap) -> None:
+    def change(self, obj: bpy.types.Object, painted: PaintedMap) -> None:
         """Write the new weights. Raises UserError."""
         raise NotImplementedError
 
@@ -145,7 +145,7 @@ class OBJECT_OT_rumple_paint_clear(_WholeMap, bpy.types.Operator):
     bl_label = "Clear Map"
     needs_map = True
 
-    def change(self, context: bpy.types.Context, obj: bpy.types.Object, painted: PaintedMap) -> None:
+    def change(self, obj: bpy.types.Object, painted: PaintedMap) -> None:
         if painted_maps.selected(obj) is not None:
             painted_maps.write(obj, painted, painted_maps.start(obj, painted))
             return
@@ -161,7 +161,7 @@ class OBJECT_OT_rumple_paint_invert(_WholeMap, bpy.types.Operator):
     bl_label = "Invert Map"
     needs_map = True
 
-    def change(self, context: bpy.types.Context, obj: bpy.types.Object, painted: PaintedMap) -> None:
+    def change(self, obj: bpy.types.Object, painted: PaintedMap) -> None:
         painted_maps.write(obj, painted, np.float32(1.0) - painted_maps.weights(obj, painted))
 
 
@@ -179,7 +179,7 @@ class OBJECT_OT_rumple_paint_from_border(_WholeMap, bpy.types.Operator):
                                     description="1 at the border and 0 beyond the distance. On for maps that are 0 "
                                                 "where nothing is painted")
 
-    def change(self, context: bpy.types.Context, obj: bpy.types.Object, painted: PaintedMap) -> None:
+    def change(self, obj: bpy.types.Object, painted: PaintedMap) -> None:
         metres = units.scene_of(obj).unit_settings.scale_length
         if not self.properties.is_property_set("distance"):
             self.distance = DISTANCE / metres
@@ -226,7 +226,7 @@ class OBJECT_OT_rumple_paint_from_texture(_WholeMap, bpy.types.Operator):
         column.prop_search(self, "image", bpy.data, "images")
         column.prop(self, "channel")
 
-    def change(self, context: bpy.types.Context, obj: bpy.types.Object, painted: PaintedMap) -> None:
+    def change(self, obj: bpy.types.Object, painted: PaintedMap) -> None:
         corners, uv = compat.corner_vertices(obj.data), _uv_map(obj)
         values = paint_maps.channel_of(_pixels(obj, _image(obj, self.image)), self.channel)
         painted_maps.write(obj, painted, paint_maps.on_vertices(
@@ -295,7 +295,7 @@ class OBJECT_OT_rumple_paint_from_material(_WholeMap, bpy.types.Operator):
         column.prop_search(self, "material", context.object, "material_slots")
         column.prop(self, "weight", slider=True)
 
-    def change(self, context: bpy.types.Context, obj: bpy.types.Object, painted: PaintedMap) -> None:
+    def change(self, obj: bpy.types.Object, painted: PaintedMap) -> None:
         self._choose_weight(painted)
         values = painted_maps.weights(obj, painted)
         values[_vertices_with(obj, self.material)] = self.weight

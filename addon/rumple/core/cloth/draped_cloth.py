@@ -78,9 +78,8 @@ class DrapedCloth:
         paint Keep Smooth, only there; None: everywhere."""
         if self._cover is None:
             self._cover = kernels.build_cloth_cover(self.cloth.surface)
-        lifts, room = kernels.cover_bodies(self.cloth.surface, self._cover, self.cloth.collider(body), body.positions,
-                                           frame.positions, frame.body_hint, self.cloth.thickness(settings),
-                                           self.cloth.hidden_depth())
+        lifts, room = kernels.cover_bodies(self._cover, self.cloth.collider(body), body.positions, frame.positions,
+                                           frame.body_hint, self.cloth.thickness(settings), self.cloth.hidden_depth())
         if where is not None:
             lifts = lifts * (np.float32(1.0) - share_of_folds(where))[:, None]
         frame.positions = frame.positions + lifts

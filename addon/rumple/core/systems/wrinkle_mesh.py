@@ -201,7 +201,7 @@ class WrinkleMesh(Wrinkles):
         return values if self.coarse is None else np.ascontiguousarray(values[self.coarse.dense_vertex])
 
     def _positions_solved(self, positions: np.ndarray) -> np.ndarray:
-        return positions if self.coarse is None else self.coarse.positions(self.surface, positions)
+        return positions if self.coarse is None else self.coarse.positions(positions)
 
     @property
     def solve_vertex_count(self) -> int:
