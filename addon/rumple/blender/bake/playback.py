@@ -9,7 +9,7 @@ import bpy
 import numpy as np
 
 from ...core.base.wording import UserError
-from ...core.frame import engine
+from ...core.mesh.frame_result import FrameResult
 from .. import compat, scheduler
 from ..frame import baking, clip_status
 from ..objects import incoming_mesh, modifier, runtimes, units, viewport_mesh, visibility
@@ -41,7 +41,7 @@ class Playback:
         self.pre_roll = range(min(units.first_frame(obj, self.scene), start), start)
         self.seen = range(self.pre_roll.start, end + 1)  # frames that an analysis of the whole clip reads
         self.is_part = False
-        self._held: tuple[engine.FrameResult, np.ndarray] | None = None  # the last result
+        self._held: tuple[FrameResult, np.ndarray] | None = None  # the last result
         self.analyzes = obj.rumple.bake_whole_clip and clip_status.sees_ahead(obj, context.scene)
         self._count_steps()
         nodes_mod = modifier.find(obj)
@@ -76,12 +76,12 @@ class Playback:
     def sample_count(self) -> int:
         return (self.end - self.start) * self.samples + 1
 
-    def solve_sample(self, sample: int) -> tuple[engine.FrameResult, np.ndarray]:
+    def solve_sample(self, sample: int) -> tuple[FrameResult, np.ndarray]:
         """(result, coarse positions) of one sample."""
         whole, part = divmod(sample, self.samples)
         return self.solve_at(self.start + whole, part / self.samples)
 
-    def samples_in_order(self) -> Iterator[tuple[bool, engine.FrameResult | None, np.ndarray | None]]:
+    def samples_in_order(self) -> Iterator[tuple[bool, FrameResult | None, np.ndarray | None]]:
         """(wanted, result, coarse positions) of every sample. Samples of the pre-roll are not wanted. Frames of an
         analysis are not wanted either, and have no result."""
         if self.analyzes:
@@ -145,13 +145,13 @@ class Playback:
             raise BakeError(f"frame {frame + subframe:g}: {runtime.refusal or runtime.message}")
         return runtime
 
-    def solve_at(self, frame: int, subframe: float) -> tuple[engine.FrameResult, np.ndarray]:
+    def solve_at(self, frame: int, subframe: float) -> tuple[FrameResult, np.ndarray]:
         """(result, coarse positions) at any time. If keyed visibility hides the object: the last result, or at first
         the rest shape."""
         runtime = self.visit(frame, subframe)
         if self._is_skipped() and runtime.evaluator is not None:
             return self._held or self._at_rest(runtime)
-        if (not isinstance(runtime.result, engine.FrameResult) or runtime.inputs is None
+        if (not isinstance(runtime.result, FrameResult) or runtime.inputs is None
                 or abs(runtime.inputs.frame - frame - subframe) > 1e-3):
             if not self.obj.evaluated_get(bpy.context.evaluated_depsgraph_get()).is_evaluated:
                 raise BakeError(f"{self.name}: nothing is solved at frame {frame + subframe:g}, it is hidden: show it")
@@ -164,12 +164,12 @@ class Playback:
         """Whether keyed visibility hides the object in this frame."""
         return visibility.is_keyed(self.obj) and visibility.is_skipped(self.obj, bpy.context.evaluated_depsgraph_get())
 
-    def _at_rest(self, runtime: runtimes.Runtime) -> tuple[engine.FrameResult, np.ndarray]:
+    def _at_rest(self, runtime: runtimes.Runtime) -> tuple[FrameResult, np.ndarray]:
         """(result, coarse positions) of a frame in which nothing is solved."""
         runtime.invalidate_output()  # results from before the bake are not part of it
         evaluator = runtime.evaluator
         rest = np.ascontiguousarray(evaluator.positions_rest, np.float32)
-        return (engine.FrameResult.at_rest(rest, len(evaluator.corner_vertex), evaluator.ATTRIBUTES),
+        return (FrameResult.at_rest(rest, len(evaluator.corner_vertex), evaluator.ATTRIBUTES),
                 compat.positions(incoming_mesh.of(self.obj)))
 
     def note(self) -> str:

@@ -14,8 +14,8 @@ import bpy
 import numpy as np
 
 from ...core.base.at_once import call_at_once
-from ...core.frame import engine
 from ...core.frame.found_frame import FoundFrame
+from ...core.mesh.frame_result import FrameResult, PreviewFrame
 from .. import compat
 from ..objects import messages, output_mesh
 from ..objects.runtimes import Inputs, Runtime
@@ -35,7 +35,7 @@ class GarmentFrame:
     mode: str  # of the depsgraph
     clip_fault: str  # the error of its baked clip
     found: FoundFrame
-    _result: engine.FrameResult | engine.PreviewFrame | None = None
+    _result: FrameResult | PreviewFrame | None = None
     _error: Exception | None = None
     _seconds: float = 0.0
 
@@ -58,7 +58,7 @@ class GarmentFrame:
         runtime, inputs, result = self.runtime, self.inputs, self._result
         if self._error is not None:
             raise self._error
-        if isinstance(result, engine.FrameResult) and not result.replayed:
+        if isinstance(result, FrameResult) and not result.replayed:
             runtime.solving = self.found.seconds + self._seconds
         runtime.inputs = runtime.current = inputs
         messages.set_frame_error(runtime, self.clip_fault)
@@ -84,20 +84,20 @@ def solve_all(frames: Sequence[GarmentFrame]) -> None:
     call_at_once([frame.solve for frame in to_be_solved])
 
 
-def _write(output_obj: bpy.types.Object, runtime: Runtime, result: engine.FrameResult | engine.PreviewFrame,
+def _write(output_obj: bpy.types.Object, runtime: Runtime, result: FrameResult | PreviewFrame,
            in_viewport: bool) -> bool:
     """Write the result, unless it is already written, because a write tags the mesh and costs another evaluation."""
     key = compat.session_key(output_obj.data)
     shows_coarse = runtime.inputs is not None and runtime.inputs.shows_coarse
     last, showed_coarse = runtime.result, runtime.shows_coarse
     runtime.result, runtime.shows_coarse = result, shows_coarse
-    if isinstance(result, engine.PreviewFrame) and result.proxy_offset is None:
+    if isinstance(result, PreviewFrame) and result.proxy_offset is None:
         runtime.output_key = key  # nobody reads its attributes, so they are not updated
         return False
     if (last is not None and runtime.output_key == key and showed_coarse == shows_coarse
             and last.shows_the_same(result)):
         return False
-    if isinstance(result, engine.PreviewFrame):
+    if isinstance(result, PreviewFrame):
         output_mesh.write_proxy(output_obj.data, result.proxy_offset)
     else:
         output_mesh.write_result(output_obj.data, result, runtime.evaluator.ATTRIBUTES)

@@ -13,7 +13,7 @@ from dataclasses import replace
 import bpy
 import numpy as np
 
-from ...core.frame import engine
+from ...core.mesh.frame_result import FrameResult
 from .. import scheduler
 from ..nodes.output_flags import Flag, set_flag
 from ..objects import (bodies, changes, clip_range, incoming_mesh, mesh_reader, messages, modifier, output_mesh,
@@ -147,7 +147,7 @@ def show_fine_meshes() -> None:
                 first = units.first_frame(obj, units.scene_of(obj))
                 result = runtime.evaluator.finish_frame(runtime.evaluator.find_frame(replace(
                     inputs, start=first, for_preview=False, in_viewport=False)))
-                assert isinstance(result, engine.FrameResult)
+                assert isinstance(result, FrameResult)
                 output_mesh.write_result(output_obj.data, result, runtime.evaluator.ATTRIBUTES)
                 set_flag(output_obj, Flag.COARSE_ONLY, False)  # a running bake sets it again
                 if inputs.for_preview or inputs.shows_coarse:

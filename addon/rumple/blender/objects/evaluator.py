@@ -13,6 +13,7 @@ import numpy as np
 from ...core.base.wording import UserError
 from ...core.files.checkpoint import carry_frames
 from ...core.frame import engine
+from ...core.mesh.base_mesh import BaseMesh
 from ...core.settings.system_settings import FieldSettings, MeshSettings
 from .. import scheduler
 from . import incoming_mesh, mesh_reader, messages, modifier, properties, rig_scale, subdivision_behind, units
@@ -27,8 +28,8 @@ FEWEST = 6  # fine vertices / vertices of the coarse mesh, or of an own mesh, th
 class Sources:
     """The data from which a fine mesh is built."""
 
-    base: engine.BaseMesh
-    own: engine.BaseMesh | None
+    base: BaseMesh
+    own: BaseMesh | None
     attached: np.ndarray | None
     settings: Any  # the system's
     unit_scale: float  # metres per object unit
@@ -52,7 +53,7 @@ def sources(obj: bpy.types.Object) -> Sources:
                    _shape_fingerprint(base, own, attached, settings, unit_scale))
 
 
-def _scale_rest(scale: float, *meshes: engine.BaseMesh | None) -> None:
+def _scale_rest(scale: float, *meshes: BaseMesh | None) -> None:
     for mesh in meshes if scale != 1.0 else ():
         if mesh is not None:
             mesh.positions, mesh.figure = mesh.positions * np.float32(scale), mesh.figure * scale
@@ -217,7 +218,7 @@ def _checked(obj: bpy.types.Object, evaluator: engine.Wrinkles) -> engine.Wrinkl
     return evaluator
 
 
-def _own_mesh(obj: bpy.types.Object, settings: Any) -> engine.BaseMesh | None:
+def _own_mesh(obj: bpy.types.Object, settings: Any) -> BaseMesh | None:
     if not _wants_own_mesh(settings):
         return None
     own = obj.rumple.own_mesh
@@ -237,7 +238,7 @@ def _wants_own_mesh(settings: Any) -> bool:
     return getattr(settings, "source", "") == "OBJECT"
 
 
-def _shape_fingerprint(base: engine.BaseMesh, own: engine.BaseMesh | None, attached: np.ndarray | None, settings: Any,
+def _shape_fingerprint(base: BaseMesh, own: BaseMesh | None, attached: np.ndarray | None, settings: Any,
                        unit_scale: float) -> str:
     digest = hashlib.sha1(mesh_reader.shape_fingerprint(base).encode())
     if own is not None:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import hashlib
-from typing import Union
 
 import bpy
 import numpy as np
@@ -11,13 +10,13 @@ import numpy as np
 from ...core.base import transforms
 from ...core.base.wording import UserError
 from ...core.cloth.draped_cloth import PAINTED
-from ...core.frame import engine
+from ...core.mesh.base_mesh import BaseMesh
 from ...core.paint.fold_guides import DIRECTION, GUIDES, KIND
 from ...core.paint.hangs_free import FREE
 from ...core.paint.keep_smooth import SMOOTH
 from ...core.paint.paint_maps import WIDTH, narrowest_of
 from ...core.paint.painted_rigid import RIGID, wholly_painted
-from ...core.settings.system_settings import FieldSettings, MeshSettings, PathsSettings
+from ...core.settings.system_settings import FieldSettings, MeshSettings, PathsSettings, SystemSettings
 from .. import compat
 from ..nodes import field_profile, wrinkle_tree
 from . import guide_curves, incoming_mesh, own_mesh_place, rig_scale
@@ -55,7 +54,7 @@ def is_busy(obj: bpy.types.Object) -> bool:
             or (own is not None and own.type == "MESH" and own.data.is_editmode))
 
 
-def base_mesh(obj: bpy.types.Object, rest_shape: str, rest_key: str) -> engine.BaseMesh:
+def base_mesh(obj: bpy.types.Object, rest_shape: str, rest_key: str) -> BaseMesh:
     """The coarse mesh of an object at rest. Raises UserError with a message for the panel."""
     mesh = incoming_mesh.of(obj)
     mesh.calc_loop_triangles()
@@ -72,7 +71,7 @@ def material_slots(obj: bpy.types.Object, mesh: bpy.types.Mesh) -> np.ndarray:
     return np.minimum(compat.indices(mesh.polygons, "material_index"), len(obj.material_slots) - 1)
 
 
-def narrowest(obj: bpy.types.Object, settings: Settings) -> float:
+def narrowest(obj: bpy.types.Object, settings: SystemSettings) -> float:
     """BaseMesh.narrowest, for the systems that refine their solved mesh for it."""
     if isinstance(settings, FieldSettings) or (isinstance(settings, MeshSettings) and not settings.layered):
         return 1.0
@@ -94,7 +93,7 @@ def render_uv(mesh: bpy.types.Mesh) -> np.ndarray | None:
     return None if layer is None else compat.uv_values(layer)
 
 
-def own_mesh(obj: bpy.types.Object, own: bpy.types.Object) -> engine.BaseMesh:
+def own_mesh(obj: bpy.types.Object, own: bpy.types.Object) -> BaseMesh:
     """The artist's own fine mesh, undeformed, in the object space of obj."""
     mesh = own.data
     mesh.calc_loop_triangles()
@@ -102,14 +101,13 @@ def own_mesh(obj: bpy.types.Object, own: bpy.types.Object) -> engine.BaseMesh:
     return _flat_mesh(own.name, mesh, transforms.placed(into, basis_positions(mesh)))
 
 
-def _flat_mesh(name: str, mesh: bpy.types.Mesh, positions: np.ndarray) -> engine.BaseMesh:
+def _flat_mesh(name: str, mesh: bpy.types.Mesh, positions: np.ndarray) -> BaseMesh:
     polygon_start = np.append(compat.indices(mesh.polygons, "loop_start"), np.int32(len(mesh.loops)))
     triangle_corner = compat.indices(mesh.loop_triangles, "loops", 3)
     crease_edge, crease_sharpness = _creases(mesh)
-    return engine.BaseMesh(name=name, positions=np.ascontiguousarray(positions, np.float32),
-                           polygon_start=polygon_start, corner_vertex=compat.corner_vertices(mesh),
-                           triangle_corner=triangle_corner.reshape(-1, 3),
-                           crease_edge=crease_edge, crease_sharpness=crease_sharpness)
+    return BaseMesh(name=name, positions=np.ascontiguousarray(positions, np.float32), polygon_start=polygon_start,
+                    corner_vertex=compat.corner_vertices(mesh), triangle_corner=triangle_corner.reshape(-1, 3),
+                    crease_edge=crease_edge, crease_sharpness=crease_sharpness)
 
 
 def _creases(mesh: bpy.types.Mesh) -> tuple[np.ndarray | None, np.ndarray | None]:
@@ -171,10 +169,7 @@ def group_weights(obj: bpy.types.Object, mesh: bpy.types.Mesh, names: list[str])
     return weights
 
 
-Settings = Union[MeshSettings, FieldSettings, PathsSettings]
-
-
-def paint_groups(settings: Settings) -> dict[str, str]:
+def paint_groups(settings: SystemSettings) -> dict[str, str]:
     """Key of the engine -> name of the vertex group or float attribute that paints it."""
     cloth = {key: MESH_GROUPS[key] for key in (*PAINTED, RIGID)}
     if isinstance(settings, FieldSettings):
@@ -184,7 +179,7 @@ def paint_groups(settings: Settings) -> dict[str, str]:
     return MESH_GROUPS
 
 
-def painted_groups(obj: bpy.types.Object, settings: Settings) -> list[str]:
+def painted_groups(obj: bpy.types.Object, settings: SystemSettings) -> list[str]:
     """The names of the vertex groups that are painted maps, each once."""
     return [name for name in dict.fromkeys(paint_groups(settings).values()) if name in obj.vertex_groups]
 
@@ -195,7 +190,7 @@ def weights_by_name(obj: bpy.types.Object, names: list[str]) -> dict[str, np.nda
     return {name: np.ascontiguousarray(weights[:, column]) for column, name in enumerate(names)}
 
 
-def paint(obj: bpy.types.Object, settings: Settings,
+def paint(obj: bpy.types.Object, settings: SystemSettings,
           weights: dict[str, np.ndarray] | None = None) -> dict[str, np.ndarray]:
     """All existing painted maps for the solver: (n,) or (n, 3) float32. weights: weights_by_name() of
     painted_groups(); None: they are read."""
@@ -271,7 +266,7 @@ def plain_positions(evaluated: bpy.types.Object, count: int) -> np.ndarray | Non
 
 
 # ---------------------------------------------------------------- fingerprints
-def shape_fingerprint(base: engine.BaseMesh) -> str:
+def shape_fingerprint(base: BaseMesh) -> str:
     """Hash of all inputs of the fine mesh."""
     digest = hashlib.sha1()
     for array in (base.positions, base.polygon_start, base.corner_vertex, base.triangle_corner, base.uv,

@@ -10,6 +10,7 @@ import numpy as np
 from ...core.frame import engine
 from ...core.frame.frame_input import FrameRequest
 from ...core.mesh.body import Body
+from ...core.mesh.frame_result import FrameResult, PreviewFrame
 from .. import scheduler
 from .building import Building
 from .runtime_table import RuntimeBase, RuntimeTable
@@ -108,7 +109,7 @@ class Runtime(RuntimeBase):
     asked_for_coarse: bool = False  # by the last redraw
     inputs: Inputs | None = None
     current: Inputs | None = None  # in a call of solve.process(): of the frame that is found, for garments over it
-    result: engine.FrameResult | engine.PreviewFrame | None = None  # content of the mesh of output_key
+    result: FrameResult | PreviewFrame | None = None  # content of the mesh of output_key
     fitting: tuple[int, ...] = ()  # output meshes that were compared with the solved mesh
     written_at: tuple[int, float] | None = None  # the scene and its frame that last wrote the output object
     written_for: dict[int, Inputs] = field(default_factory=dict)  # inputs of the last write, for each scene in a window

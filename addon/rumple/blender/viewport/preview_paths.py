@@ -12,7 +12,7 @@ import bpy
 import gpu
 import numpy as np
 
-from ...core.frame import engine
+from ...core.mesh.frame_result import PreviewFrame
 from ..objects import incoming_mesh, mesh_reader, runtimes
 from . import glsl, gpu_arrays, proxy_layer
 from .gpu_arrays import upload
@@ -87,7 +87,7 @@ class Drawing:
     def update(self, obj: bpy.types.Object, runtime: runtimes.Runtime, _before: runtimes.Inputs | None,
                slots: np.ndarray) -> bool:
         """Upload the last solved frame."""
-        if not isinstance(runtime.result, engine.PreviewFrame):
+        if not isinstance(runtime.result, PreviewFrame):
             return False
         drawing = runtime.result.drawing
         uv = mesh_reader.render_uv(incoming_mesh.of(obj))
