@@ -144,9 +144,13 @@ class BaseMesh:
 
     def polygon_areas(self) -> np.ndarray:
         """(p,) float64, object units^2."""
-        polygon = np.searchsorted(self.polygon_start, self.triangle_corner[:, 0], side="right") - 1
         areas = lengths(area_vectors(self.positions, self.triangles))
-        return np.bincount(polygon, areas, len(self.polygon_start) - 1)
+        return np.bincount(self.triangle_polygons(), areas, len(self.polygon_start) - 1)
+
+    def triangle_polygons(self) -> np.ndarray:
+        """(t,) int32: the polygon of every triangle."""
+        after = np.searchsorted(self.polygon_start, self.triangle_corner[:, 0], side="right")
+        return (after - 1).astype(np.int32)
 
     def sides(self) -> np.ndarray:
         """(c, 2) int32: the vertices of the polygons' sides, corner by corner."""

@@ -112,9 +112,7 @@ class ShownMesh:
 
     def coarse_triangles(self) -> tuple[np.ndarray, np.ndarray]:
         """For every solved coarse triangle its corners, (t, 3), and its polygon, (t,), in the artist's numbering."""
-        corners = self.base.triangle_corner
-        polygons = (np.searchsorted(self.base.polygon_start, corners[:, 0], side="right") - 1).astype(np.int32)
-        origin = self.base.origin
+        corners, polygons, origin = self.base.triangle_corner, self.base.triangle_polygons(), self.base.origin
         return (corners, polygons) if origin is None else (origin.corner[corners], origin.polygon[polygons])
 
     def carry_points(self, values: np.ndarray) -> np.ndarray:
