@@ -194,6 +194,37 @@ class Dense(unittest.TestCase):
         self.assertLess(abs(np.ptp(worn.positions[:, 2]) - 0.9 * LENGTH), settings_of(self.base).slide_room)
 
 
+class LongEdges(unittest.TestCase):
+    """Garments of game characters have faces as wide as an arm. Cloth cannot hang in folds on them, and only their
+    vertices kept off bodies: an arm came through a cape between two of them."""
+
+    def test_they_are_halved_until_they_are_short_enough(self) -> None:
+        for faces, vertices in (((10, 8), None), ((7, 6), 14 * 13), ((4, 3), 16 * 13)):
+            base = sleeve(*faces)  # edges of 63, 87 and 154 mm
+            mesh = WrinkleMesh.build(base, settings_of(base))
+            self.assertEqual(None if mesh.coarse is None else mesh.coarse.surface.vertex_count, vertices)
+            self.assertGreaterEqual(mesh.vertex_count, len(base.positions))
+
+    def test_they_fold_as_much_as_the_same_garment_with_more_vertices(self) -> None:
+        more = height_of_folds(sleeve(21, 17))
+        for faces in ((7, 6), (4, 3)):  # before, 1.33 and 1.91 of it
+            self.assertAlmostEqual(height_of_folds(sleeve(*faces)), more, delta=0.15 * more)
+
+    def test_at_rest_without_gravity_they_stay_as_modelled(self) -> None:
+        base = sleeve(7, 6)
+        settings = settings_of(base, gravity=0.0, slack=1.0, radius=0.0)
+        mesh = WrinkleMesh.build(base, settings)
+        still = solve_frame(mesh, 1.0, base.positions, settings, {}, start=1)
+        np.testing.assert_allclose(still.positions, mesh.positions_rest, atol=1e-6)
+
+    def test_what_is_pinned_halfway_is_so_between_the_vertices_too(self) -> None:
+        base = sleeve(7, 6)
+        mesh = WrinkleMesh.build(base, settings_of(base))
+        height = base.positions[:, 2] / LENGTH
+        carried = mesh.coarse.paint(height)
+        np.testing.assert_allclose(np.unique(carried.round(5)), np.linspace(0.0, 1.0, 13), atol=1e-5)
+
+
 class FoldWidths(unittest.TestCase):
     """Layers are halved from one to the next, but the edges of a coarse mesh can have any length. So each fabric has
     folds of just its width; with the same edges for all, wool and denim had those of cotton."""

@@ -64,7 +64,7 @@ class Sleeve(unittest.TestCase):
         outer = self.mesh.outer
         assert outer is not None
         self.assertAlmostEqual(outer.thickness, THICKNESS, delta=0.1 * THICKNESS)
-        self.assertLess(self.mesh.coarse.dense_vertex.max(), OUTER)
+        self.assertLess(self.mesh.coarse.base_vertex.max(), OUTER)
         follow = self.mesh.suggested_follow(self.settings)
         np.testing.assert_array_equal(follow[OUTER:], 0.0)
         self.assertGreater(follow[:OUTER].max(), 0.9)

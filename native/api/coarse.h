@@ -7,5 +7,5 @@
 
 struct rumple_coarse {
     std::shared_ptr<const rumple::CoarseMesh> mesh;
-    std::shared_ptr<const rumple::Surface> dense;
+    std::shared_ptr<const rumple::Surface> base;
 };

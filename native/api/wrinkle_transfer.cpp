@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Layers on a coarse mesh, shown on the dense mesh.
+// Layers on a coarse mesh, shown on the base mesh.
 #include "api/coarse.h"
 #include "api/sound.h"
 #include "api/wrinkle_layers.h"
@@ -20,19 +20,19 @@ rumple_wrinkle_transfer_plan rumple_wrinkle_transfer_plan_default(void) {
     return {0, 0, 0, FineSource{}.most_vertices};
 }
 
-rumple_status rumple_wrinkle_transfer_build(const rumple_surface* dense, const rumple_coarse* coarse,
+rumple_status rumple_wrinkle_transfer_build(const rumple_surface* base, const rumple_coarse* coarse,
                                             const rumple_wrinkle_layers* layers,
                                             const rumple_wrinkle_transfer_plan* plan,
                                             rumple_wrinkle_transfer** model) {
     return made(model, "model", [&] {
-        const rumple_surface& base = given(dense, "dense");
+        const rumple_surface& whole = given(base, "base");
         const rumple_coarse& over = given(coarse, "coarse");
         const rumple_wrinkle_layers& solved = given(layers, "layers");
         const rumple_wrinkle_transfer_plan& from = given(plan, "plan");
-        if (over.dense != base.shared) throw InvalidInput("coarse: it was made for another mesh");
+        if (over.base != whole.shared) throw InvalidInput("coarse: it was made for another mesh");
         if (solved.base.get() != &over.mesh->surface)
             throw InvalidInput("layers: they were built over another mesh");
-        auto built = build_transfer(base.surface, *over.mesh, *solved.model, from.level, from.display_steps,
+        auto built = build_transfer(whole.surface, *over.mesh, *solved.model, from.level, from.display_steps,
                                     from.most_vertices, from.viewport_steps);
         ShownMeshes shown(*built);
         return new rumple_wrinkle_transfer{std::move(built), std::move(shown), over.mesh, solved.model};

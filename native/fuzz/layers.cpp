@@ -157,7 +157,7 @@ void build_transfer(World& world, Bytes& bytes) {
     CALL(rumple_coarse_get_view, coarse.handle, &coarse_view);
     auto base = std::make_shared<Base>();
     for (std::int32_t v = 0; v < coarse_view.vertex_count; ++v) {
-        const float* at = &coarse.base->rest[size_t(coarse_view.dense_vertex[v]) * 3];
+        const float* at = &coarse.base->rest[size_t(coarse_view.base_vertex[v]) * 3];
         base->rest.insert(base->rest.end(), at, at + 3);
     }
     base->vertices = view.vertex_count;

@@ -175,15 +175,21 @@ void build_coarse(World& world, Bytes& bytes) {
                    : spacing < 0.7f ? MAKE(rumple_coarse, rumple_coarse_build_of, dense.handle,
                                            world.surfaces.pick(bytes).handle, spacing)
                                     : MAKE(rumple_coarse, rumple_coarse_as_modelled, dense.handle,
-                                           dense.handle, spacing - 0.65f);
+                                           dense.handle, spacing - 0.65f, 2.5f * (spacing - 0.65f));
     const auto* kept = world.coarses.add(coarse, dense.base, dense.id);
     rumple_coarse_view view;
     if (!kept || CALL(rumple_coarse_get_view, kept->handle, &view) != RUMPLE_OK) return;
-    expect_within("dense vertex", view.dense_vertex, size_t(view.vertex_count), 0, dense.base->vertices - 1);
+    expect_within("base vertex", view.base_vertex, size_t(view.vertex_count), 0, dense.base->vertices - 1);
     expect_finite("mean edge", &view.mean_edge, 1);
+    const std::vector<float> paint(size_t(dense.base->vertices), 0.5f);
+    std::vector<float> carried(size_t(view.vertex_count));
+    require(CALL(rumple_coarse_paint, kept->handle, paint.data(), paint.size(), carried.data(),
+                 carried.size()) == RUMPLE_OK,
+            "refused", "coarse paint");
+    for (const float value : carried) require(std::abs(value - 0.5f) < 1e-5f, "not carried", "coarse paint");
     std::vector<float> rest;
     for (std::int32_t v = 0; v < view.vertex_count; ++v) {
-        const float* at = &dense.base->rest[size_t(view.dense_vertex[v]) * 3];
+        const float* at = &dense.base->rest[size_t(view.base_vertex[v]) * 3];
         rest.insert(rest.end(), at, at + 3);
     }
     auto* surface = MAKE(rumple_surface, rumple_coarse_surface, kept->handle);

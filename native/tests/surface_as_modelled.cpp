@@ -8,6 +8,7 @@
 
 #include "surface/output/as_modelled.h"
 #include "surface/output/coarse.h"
+#include "surface/refine/refinement.h"
 #include "tests/meshes.h"
 #include "tests/refusals.h"
 
@@ -252,49 +253,124 @@ TEST(JoinedTriangles, WhatWasModelledOfTrianglesOrQuadsIsLeftAlone) {
 
 TEST(AsModelled, ASubdividedMeshThatWasCutIsJoinedAndThenUndivided) {
     const MeshData mesh = tube(12, 9, 0.08f, 0.4f);
-    const auto coarse = build_as_modelled(build(cut_by_chance(subdivided(mesh), 4)), 0.03f);
+    const auto coarse = build_as_modelled(build(cut_by_chance(subdivided(mesh), 4)), 0.03f, 1.0f);
     const PolygonMesh& found = coarse->surface.welded;
     EXPECT_EQ(polygons_of(found.polygon_start, found.corner_vertex),
               polygons_of(mesh.polygon_start, mesh.corner_vertex));
 }
 
 TEST(AsModelled, NarrowFacesAreRefused) {
-    const auto narrow = [](float width) {  // a sheet, subdivided, with a tenth or more of its area in a strip
-        MeshData mesh = grid(2, 10, 0.1f);
-        for (Vec3& p : mesh.positions) p.x = p.x < 0.15f ? (p.x > 0.05f ? 0.1f : 0.0f) : 0.1f + width;
+    const auto narrow = [](float width) {  // a sheet, subdivided, with a strip of this width
+        MeshData mesh = grid(3, 9, 0.1f);
+        for (Vec3& p : mesh.positions) p.x = std::min(p.x, 0.2f + width);
         return build(subdivided(mesh));
     };
-    EXPECT_EQ(build_as_modelled(narrow(0.03f), 0.02f)->dense_vertex.size(), 33u);
-    EXPECT_EQ(build_as_modelled(narrow(0.01f), 0.02f)->dense_vertex.size(), 33u) << "they are a few";
-    expect_refused([&] { build_as_modelled(narrow(0.019f), 0.02f); }, {"even faces"});
+    EXPECT_EQ(build_as_modelled(narrow(0.07f), 0.06f, 1.0f)->base_vertex.size(), 40u);
+    EXPECT_EQ(build_as_modelled(narrow(0.01f), 0.06f, 1.0f)->base_vertex.size(), 40u) << "they are a few";
+    expect_refused([&] { build_as_modelled(narrow(0.05f), 0.06f, 1.0f); }, {"even faces"});
 }
 
-TEST(AsModelled, AsManySubdivisionsAreTakenBackAsAreAskedFor) {
+TEST(AsModelled, ASubdivisionIsTakenBackToWidenNarrowFacesToo) {
+    MeshData mesh = grid(4, 4, 0.1f);
+    for (Vec3& p : mesh.positions) p.y *= 0.4f;  // edges of 100 and 40, subdivided 50 and 20 mm
+    EXPECT_EQ(build_as_modelled(build(subdivided(mesh)), 0.03f, 1.0f)->base_vertex.size(), 25u);
+}
+
+TEST(AsModelled, SubdivisionsAreTakenBackUntilTheEdgesAreLongEnough) {
     const MeshData mesh = tube(12, 9, 0.08f, 0.4f), dense = subdivided(subdivided(mesh));
     const Surface surface = build(dense);
-    for (const auto& [least, vertices] :
-         {std::pair(0.001f, 24u * 19u), {0.015f, 24u * 19u}, {0.03f, 12u * 10u}}) {
-        const auto coarse = build_as_modelled(surface, least);
-        EXPECT_EQ(coarse->dense_vertex.size(), vertices);
+    for (const auto& [least, vertices] : {std::pair(0.015f, 24u * 19u), {0.03f, 12u * 10u}}) {
+        const auto coarse = build_as_modelled(surface, least, 1.0f);
+        EXPECT_EQ(coarse->base_vertex.size(), vertices);
         EXPECT_GE(coarse->mean_edge, least);
     }
-    expect_refused([&] { build_as_modelled(surface, 0.05f); }, {"modelled"});
-    expect_refused([&] { build_as_modelled(surface, 0.0f); }, {"least_edge"});
-    expect_refused([&] { build_as_modelled(build(mesh), 0.001f); }, {"modelled"});
+    expect_refused([&] { build_as_modelled(surface, 0.05f, 1.0f); }, {"modelled"});
+    expect_refused([&] { build_as_modelled(surface, 0.001f, 1.0f); }, {"needs no other"});
+    expect_refused([&] { build_as_modelled(surface, 0.0f, 1.0f); }, {"least_edge"});
+    expect_refused([&] { build_as_modelled(surface, 0.02f, 0.039f); }, {"most_edge"});
 }
 
 TEST(AsModelled, TheSmoothSurfaceOfTheCoarseMeshRunsThroughTheDenseOne) {
     const MeshData dense = subdivided(tube(12, 9, 0.08f, 0.4f));
     const Surface surface = build(dense);
-    const auto coarse = build_as_modelled(surface, 0.03f);
+    const auto coarse = build_as_modelled(surface, 0.03f, 1.0f);
     const std::vector<Vec3> at = coarse_positions(*coarse, surface, dense.positions);
     EXPECT_EQ(at, coarse->surface.positions_rest) << "at rest it is the rest shape, to the bit";
     std::vector<Vec3> smooth(at.size());
     apply<Vec3>(coarse->limit, at, smooth);
     for (size_t v = 0; v < at.size(); ++v) {
-        const Vec3& wanted = dense.positions[coarse->dense_vertex[v]];
+        const Vec3& wanted = dense.positions[coarse->base_vertex[v]];
         EXPECT_NEAR(std::hypot(smooth[v].y, smooth[v].z), std::hypot(wanted.y, wanted.z), 3e-4f);
     }
+}
+
+// ---- edges that are too long
+
+TEST(AsModelled, AMeshWithLongEdgesIsSubdividedUntilTheyAreShortEnough) {
+    const MeshData mesh = tube(12, 9, 0.08f, 0.4f);  // mean edge 0.043
+    const Surface surface = build(mesh);
+    for (const auto& [most, vertices] : {std::pair(0.04f, 24u * 19u), {0.02f, 48u * 37u}}) {
+        const auto coarse = build_as_modelled(surface, most / 2.0f, most);
+        EXPECT_EQ(coarse->base_vertex.size(), vertices);
+        EXPECT_LE(coarse->mean_edge, most);
+    }
+    expect_refused([&] { build_as_modelled(surface, 0.02f, 0.05f); }, {"needs no other"});
+}
+
+TEST(AsModelled, ASubdividedMeshHasTheSmoothSurfaceOfTheBase) {
+    const MeshData mesh = tube(12, 9, 0.08f, 0.4f);
+    const Surface surface = build(mesh);
+    const auto coarse = build_as_modelled(surface, 0.01f, 0.03f);
+    const std::vector<Vec3> at = coarse_positions(*coarse, surface, mesh.positions);
+    EXPECT_EQ(at, coarse->surface.positions_rest) << "at rest it is the rest shape, to the bit";
+    const SparseRows of_base = subdivision_stencils(surface.welded, 1, true);
+    std::vector<Vec3> smooth(at.size()), wanted(at.size());
+    apply<Vec3>(coarse->limit, at, smooth);
+    apply<Vec3>(of_base, mesh.positions, wanted);
+    for (size_t v = 0; v < at.size(); ++v) EXPECT_LT(glm::distance(smooth[v], wanted[v]), 1e-3f);
+}
+
+TEST(AsModelled, QuadsWithLongEdgesThatWereCutAreJoinedAndThenSubdivided) {
+    const auto coarse = build_as_modelled(build(cut_by_chance(tube(12, 9, 0.08f, 0.4f), 4)), 0.01f, 0.03f);
+    EXPECT_EQ(coarse->base_vertex.size(), 24u * 19u);
+    EXPECT_EQ(coarse->surface.welded.corners(), 4 * coarse->surface.welded.polygons());
+}
+
+TEST(AsModelled, PaintIsInterpolatedLinearlyOnASubdivisionAndTakenOverElsewhere) {
+    const MeshData mesh = grid(2, 1, 0.1f);
+    std::vector<float> paint;
+    for (const Vec3& p : mesh.positions) paint.push_back(p.x < 0.05f ? 1.0f : 0.0f);
+    const auto finer = build_as_modelled(build(mesh), 0.03f, 0.06f);
+    std::vector<float> carried(finer->base_vertex.size());
+    apply<float>(finer->paint_from_base, paint, carried);
+    for (size_t v = 0; v < carried.size(); ++v) {
+        const float x = finer->surface.positions_rest[v].x;
+        EXPECT_EQ(carried[v], x < 0.025f ? 1.0f : x < 0.075f ? 0.5f : 0.0f) << "at " << x;
+    }
+    const MeshData dense = subdivided(mesh);
+    const auto coarse = build_as_modelled(build(dense), 0.06f, 1.0f);
+    std::vector<float> number(dense.positions.size()), taken(coarse->base_vertex.size());
+    std::iota(number.begin(), number.end(), 0.0f);
+    apply<float>(coarse->paint_from_base, number, taken);
+    for (size_t v = 0; v < taken.size(); ++v) EXPECT_EQ(taken[v], float(coarse->base_vertex[v]));
+}
+
+TEST(AsModelled, ALooseVertexHasNoPartInASubdivisionAndACreaseStaysSharp) {
+    MeshData mesh = grid(2, 2, 0.1f);
+    for (Vec3& p : mesh.positions) p.z = p.x > 0.05f && p.x < 0.15f ? 0.1f : 0.0f;  // a roof
+    mesh.positions.insert(mesh.positions.begin(), Vec3(5.0f));                      // loose
+    for (Index& v : mesh.corner_vertex) ++v;
+    const std::vector<Crease> ridge{{2, 5, kSharp}, {5, 8, kSharp}};
+    SurfaceInput input = mesh.input();
+    input.creases = ridge;
+    const auto coarse = build_as_modelled(build_surface(input), 0.04f, 0.08f);
+    EXPECT_EQ(coarse->base_vertex.size(), 25u);
+    std::vector<Vec3> smooth(25);
+    apply<Vec3>(coarse->limit, coarse->surface.positions_rest, smooth);
+    float highest = 0.0f;
+    for (const Vec3& p : smooth) highest = std::max(highest, p.z);
+    EXPECT_NEAR(highest, 0.1f, 0.002f) << "rounded, the ridge would be at two thirds of it";
+    for (const Index v : coarse->base_vertex) EXPECT_GT(v, 0);
 }
 
 }  // namespace

@@ -77,7 +77,7 @@ TEST(Coarse, CornersOfASheetStayCorners) {
     for (unsigned seed = 0; seed < 6; ++seed) {
         const MeshData mesh = seed == 0 ? grid(60, 40, 0.006f) : shaken(grid(60, 40, 0.006f), 0.001f, seed);
         const auto coarse = build_coarse(build(mesh), kSpacing);
-        const std::set<Index> chosen(coarse->dense_vertex.begin(), coarse->dense_vertex.end());
+        const std::set<Index> chosen(coarse->base_vertex.begin(), coarse->base_vertex.end());
         for (const Index corner : {0, 60, 40 * 61, 40 * 61 + 60})
             EXPECT_TRUE(chosen.contains(corner)) << corner;
     }
@@ -129,8 +129,8 @@ TEST(Coarse, ItIsWoundAsTheDenseMesh) {
 TEST(Coarse, ItsVerticesAreOfTheDenseMeshAndEachIsOneOnce) {
     const Surface dense = build(dense_tube(80));
     const auto coarse = build_coarse(dense, kSpacing);
-    const std::set<Index> once(coarse->dense_vertex.begin(), coarse->dense_vertex.end());
-    EXPECT_EQ(once.size(), coarse->dense_vertex.size());
+    const std::set<Index> once(coarse->base_vertex.begin(), coarse->base_vertex.end());
+    EXPECT_EQ(once.size(), coarse->base_vertex.size());
     EXPECT_GE(*once.begin(), 0);
     EXPECT_LT(*once.rbegin(), dense.display.vertex_count);
 }
@@ -145,7 +145,7 @@ TEST(Coarse, ItsSmoothSurfaceRunsThroughTheDenseMesh) {
     apply<Vec3>(limit, at, smooth);
     float cage = 0.0f, sum = 0.0f;
     for (size_t v = 0; v < at.size(); ++v) {
-        const Vec3& wanted = mesh.positions[coarse->dense_vertex[v]];
+        const Vec3& wanted = mesh.positions[coarse->base_vertex[v]];
         const float beside = std::abs(std::hypot(smooth[v].y, smooth[v].z) - std::hypot(wanted.y, wanted.z));
         EXPECT_LT(beside, 0.001f);
         EXPECT_EQ(at[v], coarse->surface.positions_rest[v]) << "at rest it is the rest shape, to the bit";
@@ -227,7 +227,7 @@ TEST(Coarse, PartsStayApartAndASmallOneIsLeftOut) {
         EXPECT_EQ(euler(coarse->surface), pieces == 8 ? 2 : 1);
         EXPECT_EQ(borders(coarse->surface), pieces == 8 ? 2 : 1);
         const auto& corners = coarse->surface.welded.corner_vertex;
-        const auto of_piece = [&](Index v) { return coarse->dense_vertex[v] >= first; };
+        const auto of_piece = [&](Index v) { return coarse->base_vertex[v] >= first; };
         EXPECT_EQ(std::ranges::any_of(corners, of_piece), pieces == 8);
     }
 }

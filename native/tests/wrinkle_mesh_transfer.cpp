@@ -73,7 +73,7 @@ TEST(Transfer, AStretchThatTheCoarseMeshHasTooIsShownAsItIs) {
 TEST(Transfer, ACreaseThatOnlyTheDenseMeshHasIsSmoothed) {
     for (const Index level : {0, 1}) {
         const Dense dense(level);
-        const std::set<Index> samples(dense.coarse->dense_vertex.begin(), dense.coarse->dense_vertex.end());
+        const std::set<Index> samples(dense.coarse->base_vertex.begin(), dense.coarse->base_vertex.end());
         const Pose3 rest =
             dense.show(dense.mesh.positions, dense.solve(dense.mesh.positions, 0.0f)).positions;
         Pose3 pose = dense.mesh.positions;
@@ -174,7 +174,7 @@ TEST(Transfer, APartFollowsItsOwnPartOfTheCoarseMesh) {
     for (Index v = first; v < Index(mesh.positions.size()); v += 5) mesh.positions[v].z = 0.0004f;
     for (int round = 0; round < 10; ++round) {  // vertices of the coarse mesh stay up
         const auto coarse = build_coarse(build(mesh), 0.03f);
-        for (const Index v : coarse->dense_vertex)
+        for (const Index v : coarse->base_vertex)
             if (v >= first) mesh.positions[v].z = 0.004f;
     }
     const std::vector<float> up =

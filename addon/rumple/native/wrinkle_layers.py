@@ -154,7 +154,7 @@ def show_wrinkle_layers(model: WrinkleMeshLayers, animated: np.ndarray, position
 
 
 class WrinkleTransfer(SteppedModel):
-    """Shows the layers of a coarse mesh on the dense mesh. Made by build_wrinkle_transfer."""
+    """Shows the layers of a coarse mesh on the base mesh. Made by build_wrinkle_transfer."""
 
     __slots__ = ()
     POINTER, FREE = c.WrinkleTransferPointer, "rumple_wrinkle_transfer_free"
@@ -164,7 +164,7 @@ class WrinkleTransfer(SteppedModel):
 def build_wrinkle_transfer(base: Surface, coarse: CoarseMesh, layers: WrinkleMeshLayers, level: int,
                            display_steps: int = 0, most_vertices: int = 4_000_000,
                            viewport_steps: int | None = None) -> WrinkleTransfer:
-    """base: the dense mesh. level: its subdivisions whose vertices are moved. display_steps: further subdivisions of
+    """base: the base mesh. level: its subdivisions whose vertices are moved. display_steps: further subdivisions of
     the shown mesh. viewport_steps: the same for viewports; None: display_steps. Raises ValueError."""
     plan = lib.rumple_wrinkle_transfer_plan_default()
     plan.level, plan.display_steps, plan.most_vertices = level, display_steps, most_vertices

@@ -118,43 +118,49 @@ RUMPLE_API rumple_status rumple_surface_outer_side(const rumple_surface* surface
 RUMPLE_API rumple_status rumple_surface_suggest_follow(const rumple_surface* surface, const float up[3],
                                                        float* follow, size_t follow_count);
 
-// ---- a coarse mesh that represents a dense one
+// ---- a coarse mesh in place of the base mesh
 
-// A coarse mesh whose smooth surface passes through the dense mesh. Wide folds are then solved on few
-// vertices, however dense the modelled mesh is. Peyre and Cohen 2006. m vertices.
+// A coarse mesh whose smooth surface passes through that of the base mesh. So wide folds are solved on few
+// vertices, with any density of the base mesh. m vertices.
 typedef struct rumple_coarse rumple_coarse;
 
-// spacing: approximate mean edge length, object units, > 0. A mesh with edges that are not much shorter is
-// subdivided first. Refused: a mesh that is too small for it. Cost: 20 ms for 10,000 vertices.
-RUMPLE_API rumple_status rumple_coarse_build(const rumple_surface* dense, float spacing,
+// An even one, of triangles (Peyre and Cohen 2006). spacing: approximate mean edge length, object units, > 0.
+// A mesh with edges that are not much shorter is subdivided first. Refused: a mesh that is too small for it.
+// Cost: 20 ms for 10,000 vertices.
+RUMPLE_API rumple_status rumple_coarse_build(const rumple_surface* base, float spacing,
                                              rumple_coarse** coarse);
-// The same for a part of the dense mesh, for example its outer side. part: a surface with some of the
-// polygons and all vertices of the dense mesh.
-RUMPLE_API rumple_status rumple_coarse_build_of(const rumple_surface* dense, const rumple_surface* part,
+// The same for a part of the base mesh, for example its outer side. part: a surface with some of the
+// polygons and all vertices of the base mesh.
+RUMPLE_API rumple_status rumple_coarse_build_of(const rumple_surface* base, const rumple_surface* part,
                                                 float spacing, rumple_coarse** coarse);
 // The mesh as it was modelled: quads that were cut into triangles are joined, and subdivisions (of Catmull
-// and Clark, or Blender's Simple) taken back until the mean edge is at least least_edge, object units, > 0.
-// Its smooth surface passes through the dense mesh, too. part: as above, or the dense mesh itself. Refused: a
-// mesh that was neither cut nor subdivided, or not so often, or that was uneven before: see
-// rumple_surface_is_uneven(), width: least_edge. Cost: about 2 us a polygon.
-RUMPLE_API rumple_status rumple_coarse_as_modelled(const rumple_surface* dense, const rumple_surface* part,
-                                                   float least_edge, rumple_coarse** coarse);
+// and Clark, or Blender's Simple) taken back until the mean edge is at least least_edge, > 0, and at most a
+// tenth of the area is in narrower polygons. If it was modelled with longer edges, it is subdivided until the
+// mean edge is at most most_edge, >= 2 x least_edge. Object units. part: as above, or the base mesh itself.
+// Refused: a mesh without such a mesh, or that is it. Cost: about 2 us a polygon.
+RUMPLE_API rumple_status rumple_coarse_as_modelled(const rumple_surface* base, const rumple_surface* part,
+                                                   float least_edge, float most_edge, rumple_coarse** coarse);
 RUMPLE_API void rumple_coarse_free(rumple_coarse* coarse);
 
 typedef struct rumple_coarse_view {
-    int32_t vertex_count;         // m
-    float mean_edge;              // mean length of its edges, object units
-    const int32_t* dense_vertex;  // (m): for every vertex the nearest vertex of the dense mesh
+    int32_t vertex_count;        // m
+    float mean_edge;             // mean length of its edges, object units
+    const int32_t* base_vertex;  // (m): for every vertex the nearest vertex of the base mesh
 } rumple_coarse_view;
 RUMPLE_API rumple_status rumple_coarse_get_view(const rumple_coarse* coarse, rumple_coarse_view* view);
 
 // The coarse mesh as a base mesh. Of rumple_coarse_build() all its polygons are triangles.
 RUMPLE_API rumple_status rumple_coarse_surface(const rumple_coarse* coarse, rumple_surface** surface);
 
-// Positions of the coarse mesh for a pose of the dense mesh, so that both smooth surfaces coincide.
-// positions: (n, 3) of the dense mesh. out: (m, 3), written.
+// Positions of the coarse mesh for a pose of the base mesh, so that both smooth surfaces coincide.
+// positions: (n, 3) of the base mesh. out: (m, 3), written.
 RUMPLE_API rumple_status rumple_coarse_positions(const rumple_coarse* coarse, const float* positions,
                                                  size_t positions_count, float* out, size_t out_count);
+
+// Values that are painted on the base mesh, (n), for the coarse mesh: interpolated linearly if it is a
+// subdivision, else those of the nearest vertices. out: (m), written. Cost: 2 ns a vertex.
+RUMPLE_API rumple_status rumple_coarse_paint(const rumple_coarse* coarse, const float* values,
+                                             size_t values_count, float* out, size_t out_count);
 
 // ---- how a fine mesh is made from the base
 

@@ -115,21 +115,21 @@ RUMPLE_API rumple_status rumple_wrinkle_layers_show(const rumple_wrinkle_layers*
                                                     const rumple_wrinkle_layers_state* state,
                                                     bool in_viewport, rumple_frame** frame);
 
-// ---- layers that are solved on a coarse mesh and shown on the dense one
+// ---- layers that are solved on a coarse mesh and shown on the base mesh
 
-// Every vertex of the dense mesh moves like the nearest place on the surface of the finest layer.
+// Every vertex of the base mesh moves like the nearest place on the surface of the finest layer.
 typedef struct rumple_wrinkle_transfer rumple_wrinkle_transfer;
 
 typedef struct rumple_wrinkle_transfer_plan {
-    int32_t level;           // subdivisions of the dense mesh whose vertices are moved, >= 0
+    int32_t level;           // subdivisions of the base mesh whose vertices are moved, >= 0
     int32_t display_steps;   // further subdivisions of the shown mesh, >= 0
     int32_t viewport_steps;  // ... of the mesh that viewports show, >= 0; at most as many count
     int32_t most_vertices;   // a shown mesh with more is refused
 } rumple_wrinkle_transfer_plan;
 RUMPLE_API rumple_wrinkle_transfer_plan rumple_wrinkle_transfer_plan_default(void);
 
-// dense: the mesh that coarse was built from. layers: built on the surface of coarse.
-RUMPLE_API rumple_status rumple_wrinkle_transfer_build(const rumple_surface* dense,
+// base: the mesh that coarse was built from. layers: built on the surface of coarse.
+RUMPLE_API rumple_status rumple_wrinkle_transfer_build(const rumple_surface* base,
                                                        const rumple_coarse* coarse,
                                                        const rumple_wrinkle_layers* layers,
                                                        const rumple_wrinkle_transfer_plan* plan,
@@ -139,7 +139,7 @@ RUMPLE_API void rumple_wrinkle_transfer_free(rumple_wrinkle_transfer* model);
 RUMPLE_API const rumple_shown_mesh* rumple_wrinkle_transfer_shown(const rumple_wrinkle_transfer* model,
                                                                   bool in_viewport);
 
-// The shown mesh of a solved frame. animated: (n, 3) of the animated dense mesh, without base cloth. state:
+// The shown mesh of a solved frame. animated: (n, 3) of the animated base mesh, without base cloth. state:
 // of the layers. in_viewport: see rumple_wrinkle_transfer_shown().
 RUMPLE_API rumple_status rumple_wrinkle_transfer_show(const rumple_wrinkle_transfer* model,
                                                       const float* animated, size_t animated_count,

@@ -70,21 +70,6 @@ void append_polygon(std::span<const Index> corners, PolygonMesh& out) {
     out.polygon_start.push_back(out.corners());
 }
 
-// Its polygons over the vertices that they use.
-MeshBefore without_loose_vertices(PolygonMesh mesh, Index vertices) {
-    MeshBefore out;
-    std::vector<Index> number(size_t(vertices), kNone);
-    for (const Index v : mesh.corner_vertex) number[v] = 0;
-    for (Index v = 0; v < vertices; ++v) {
-        if (number[v] == kNone) continue;
-        number[v] = mesh.vertex_count++;
-        out.vertex.push_back(v);
-    }
-    for (Index& v : mesh.corner_vertex) v = number[v];
-    out.mesh = std::move(mesh);
-    return out;
-}
-
 // ---- subdivision
 
 // What a vertex of the subdivided mesh was made of.
@@ -226,6 +211,22 @@ bool append_ring(std::span<const Wedge> wedges, std::span<const Index> number, P
 
 }  // namespace
 
+MeshBefore without_loose_vertices(PolygonMesh mesh) {
+    MeshBefore out;
+    std::vector<Index> number(size_t(mesh.vertex_count), kNone);
+    for (const Index v : mesh.corner_vertex) number[v] = 0;
+    for (Index v = 0; v < mesh.vertex_count; ++v) {
+        if (number[v] == kNone) continue;
+        number[v] = Index(out.vertex.size());
+        out.vertex.push_back(v);
+    }
+    mesh.vertex_count = Index(out.vertex.size());
+    for (Index& v : mesh.corner_vertex) v = number[v];
+    for (Crease& crease : mesh.creases) crease.a = number[crease.a], crease.b = number[crease.b];
+    out.mesh = std::move(mesh);
+    return out;
+}
+
 std::optional<MeshBefore> joined_triangles(const Surface& surface) {
     const PolygonMesh& mesh = surface.welded;
     const std::vector<Pair> pairs = sorted_pairs(surface);
@@ -248,7 +249,8 @@ std::optional<MeshBefore> joined_triangles(const Surface& surface) {
             append_polygon(pair_of[p]->corner, joined);
     }
     if (2 * triangles < mesh.polygons() || straight < kJoined * triangles) return {};
-    return without_loose_vertices(std::move(joined), mesh.vertex_count);
+    joined.vertex_count = mesh.vertex_count;
+    return without_loose_vertices(std::move(joined));
 }
 
 std::optional<MeshBefore> undivided(const PolygonMesh& mesh) {

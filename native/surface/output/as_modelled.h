@@ -10,9 +10,12 @@
 namespace rumple {
 
 struct MeshBefore {
-    PolygonMesh mesh;           // without creases; every vertex has a polygon
+    PolygonMesh mesh;           // every vertex has a polygon
     std::vector<Index> vertex;  // per vertex of `mesh`: that of the later one
 };
+
+// The same polygons over the vertices that they use.
+MeshBefore without_loose_vertices(PolygonMesh mesh);
 
 // Joins triangles in pairs, the best quads first: their angles are nearest to right angles, and they are
 // flat. Other polygons stay. None if less than half of the polygons are triangles, or if less than kJoined of

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A coarse mesh over a dense one. Wide folds are solved on few vertices, with any density of the modelled
-// mesh. Farthest points and the triangles between their Voronoi cells: Peyre and Cohen 2006, Geodesic
-// Remeshing Using Front Propagation (here distances are along the edges).
+// A coarse mesh in place of the artist's base mesh: what a Wrinkle Mesh is attached to and what becomes
+// cloth. So wide folds are solved on few vertices, with any density of the modelled mesh.
 #pragma once
 
 #include <memory>
@@ -14,30 +13,35 @@ namespace rumple {
 
 // Built once at rest, then immutable.
 struct CoarseMesh {
-    Surface surface;                  // its smooth (limit) surface passes through the dense mesh
-    SparseRows from_dense;            // where the smooth surface passes <- welded vertices of the dense mesh
-    std::vector<Index> dense_vertex;  // per vertex of `surface`: the vertex of the dense mesh, as the artist
-                                      // has it, that is nearest to it along the edges
-    float mean_edge = 0.0f;           // object units
-    SparseRows limit;  // limit position <- vertices; empty rows for vertices without a triangle
+    Surface surface;       // its smooth (limit) surface passes through that of the base mesh
+    SparseRows from_base;  // where the smooth surface passes <- welded vertices of the base mesh
+    SparseRows
+        paint_from_base;  // values that are painted <- vertices of the base mesh, as the artist has them
+    std::vector<Index> base_vertex;  // per vertex of `surface`: that of the base mesh, as the artist has it,
+                                     // that is nearest to it along the edges
+    float mean_edge = 0.0f;          // object units
+    SparseRows limit;                // limit position <- vertices; empty rows for vertices without a triangle
 };
 
+// An even mesh of triangles: farthest points and the triangles between their Voronoi cells. Peyre and Cohen
+// 2006, Geodesic Remeshing Using Front Propagation (here distances are along the edges).
 // spacing: about the mean length of its edges, object units, > 0. A mesh whose edges are not much shorter is
 // subdivided first. Cells that are as wide as the mesh (a narrow strap) make no triangles. Loose vertices
 // make none either. Throws InvalidInput if the result has no triangle. Cost: about O(vertices x log vertices
 // x log coarse vertices), plus the cost of limit_stencils() at the coarse vertices.
-std::shared_ptr<const CoarseMesh> build_coarse(const Surface& dense, float spacing);
+std::shared_ptr<const CoarseMesh> build_coarse(const Surface& base, float spacing);
 
 // The mesh as it was modelled (surface/output/as_modelled.h): triangles are joined to quads, and subdivisions
-// taken back until the mean edge is at least least_edge, object units, > 0. Throws InvalidInput if the mesh
-// was neither cut into triangles nor subdivided, not so often, or if what it was made from is_uneven() for
-// this width. Cost: O(corners x log corners), plus that of limit_stencils().
-std::shared_ptr<const CoarseMesh> build_as_modelled(const Surface& dense, float least_edge);
+// taken back until the mean edge is at least least_edge, > 0, and the faces are not uneven (is_uneven()) for
+// this width. If it was modelled with longer edges, it is subdivided until the mean edge is at most
+// most_edge, at least 2 x least_edge. Object units. Throws InvalidInput if there is no such mesh, or if it is
+// the base itself. Cost: O(corners x log corners), plus that of limit_stencils().
+std::shared_ptr<const CoarseMesh> build_as_modelled(const Surface& base, float least_edge, float most_edge);
 
 // Computes positions of the coarse vertices, such that the smooth surface of the coarse mesh passes through
-// the dense mesh. positions: of the dense mesh's vertices, object space. Throws InvalidInput if positions do
+// the base mesh. positions: of the base mesh's vertices, object space. Throws InvalidInput if positions do
 // not match or are not finite.
-std::vector<Vec3> coarse_positions(const CoarseMesh& coarse, const Surface& dense,
+std::vector<Vec3> coarse_positions(const CoarseMesh& coarse, const Surface& base,
                                    std::span<const Vec3> positions);
 
 }  // namespace rumple

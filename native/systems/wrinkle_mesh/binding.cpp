@@ -88,7 +88,7 @@ SparseRows scaled(const SparseRows& rows, std::span<const float> factor) {
     return out;
 }
 
-Binding bind_to_finest(const Surface& dense, SparseRows smooth, const SparseRows& nearest,
+Binding bind_to_finest(const Surface& base, SparseRows smooth, const SparseRows& nearest,
                        std::span<const float> distance, std::span<const Vec3> finest_rest, float edge) {
     Binding out;
     std::vector<float> moved;
@@ -99,12 +99,12 @@ Binding bind_to_finest(const Surface& dense, SparseRows smooth, const SparseRows
     out.moves = scaled(nearest, moved);
     out.smooth = std::move(smooth);
     out.nearest = scaled(nearest, out.share);
-    find_neighbours(dense, out);
-    const std::vector<Vec3>& rest = dense.positions_rest;
+    find_neighbours(base, out);
+    const std::vector<Vec3>& rest = base.positions_rest;
     std::vector<Vec3> passed(rest.size()), nearest_at(rest.size());
     apply<Vec3>(out.smooth, rest, passed);
     apply<Vec3>(out.nearest, finest_rest, nearest_at);
-    const std::vector<Vec3> normals = vertex_normals(dense, rest);
+    const std::vector<Vec3> normals = vertex_normals(base, rest);
     for (Index v = 0; v < Index(rest.size()); ++v) {
         const SurfaceFrame frame = frame_at(rest, normals, v, out.along[v]);
         out.rest_offset.push_back(frame.to_local(out.share[v] * passed[v] - nearest_at[v]));
@@ -112,9 +112,9 @@ Binding bind_to_finest(const Surface& dense, SparseRows smooth, const SparseRows
     return out;
 }
 
-std::vector<Vec3> bound_offsets(const Binding& binding, const Surface& dense, std::span<const Vec3> animated,
+std::vector<Vec3> bound_offsets(const Binding& binding, const Surface& base, std::span<const Vec3> animated,
                                 std::span<const Vec3> finest) {
-    const std::vector<Vec3> normals = vertex_normals(dense, animated);
+    const std::vector<Vec3> normals = vertex_normals(base, animated);
     std::vector<Vec3> passed(animated.size()), offsets(animated.size());
     apply(binding.smooth, to_rows(animated), passed);
     apply(binding.nearest, to_rows(finest), offsets);

@@ -29,15 +29,15 @@ float bound_share(float distance, float edge);
 
 // smooth, nearest (without shares): as above. distance: from each vertex's smooth position to that point,
 // object units. finest_rest: of the finest layer's vertices. edge: mean edge of the coarse mesh.
-Binding bind_to_finest(const Surface& dense, SparseRows smooth, const SparseRows& nearest,
+Binding bind_to_finest(const Surface& base, SparseRows smooth, const SparseRows& nearest,
                        std::span<const float> distance, std::span<const Vec3> finest_rest, float edge);
 
 // How far the welded vertices of the animated mesh are from where they are bound, object space. finest: the
 // positions of the finest layer's vertices without folds, for the same frame. Cost: O(vertices).
-std::vector<Vec3> bound_offsets(const Binding& binding, const Surface& dense, std::span<const Vec3> animated,
+std::vector<Vec3> bound_offsets(const Binding& binding, const Surface& base, std::span<const Vec3> animated,
                                 std::span<const Vec3> finest);
 
-// The displacements of the welded vertices of the dense mesh. finest: those of the finest layer's vertices.
+// The displacements of the welded vertices of the base mesh. finest: those of the finest layer's vertices.
 // Near a torn border, and on a flap or a strap, vertices follow their neighbours: the nearest point may be on
 // one side of a hole for a vertex, and on the other side for the next one.
 std::vector<Vec3> bound_displacements(const Binding& binding, std::span<const Vec3> finest);

@@ -13,7 +13,7 @@ namespace {
 // The finest layer is as fine as the folds, so an accuracy of a thousandth of its edges is enough.
 constexpr Index kFinestLimitLevels = 2;
 
-// The smooth surface of the finest layer at rest, and which part of the dense mesh each triangle stands for.
+// The smooth surface of the finest layer at rest, and which part of the base mesh each triangle stands for.
 struct Finest {
     Surface surface;
     std::span<const Vec3> positions_rest;
@@ -21,7 +21,7 @@ struct Finest {
     float edge;  // of the coarse mesh
 };
 
-Finest finest_of(const Layers& layers, const CoarseMesh& coarse, const Surface& dense,
+Finest finest_of(const Layers& layers, const CoarseMesh& coarse, const Surface& base,
                  std::span<const Index> parts) {
     const Model& finest = *layers.layers.back();
     Finest out{solved_surface(finest), finest.positions_rest, {}, coarse.mean_edge};
@@ -32,7 +32,7 @@ Finest finest_of(const Layers& layers, const CoarseMesh& coarse, const Surface& 
         const Index polygon = layers.shown.polygon_source[triangle.polygon * shown];
         const Index vertex =
             layers.base.representative[polygons.corner_vertex[polygons.polygon_start[polygon]]];
-        out.part.push_back(parts[dense.welded_of[coarse.dense_vertex[vertex]]]);
+        out.part.push_back(parts[base.welded_of[coarse.base_vertex[vertex]]]);
     }
     return out;
 }
@@ -65,31 +65,31 @@ SparseRows rows_between(const SparseRows& rows, size_t from, size_t to) {
 }
 
 // The rows by which attach() weighs the welded vertices.
-SparseRows attachment_rows(const Surface& dense, const Attachments& attachments) {
+SparseRows attachment_rows(const Surface& base, const Attachments& attachments) {
     if (attachments.kind == AttachmentKind::kLimit) return attachments.limit;
     SparseRows out;
     for (const SurfacePoint& place : attachments.places) {
-        const std::array<Index, 3> corners = welded_vertices(dense, place.triangle);
+        const std::array<Index, 3> corners = welded_vertices(base, place.triangle);
         for (int k = 0; k < 3; ++k) out.add(corners[k], place.weights()[k]);
         out.end_row();
     }
     return out;
 }
 
-// Finds how the moved vertices, and the vertices of the dense mesh, follow the finest layer, by one search.
-// rest: of the moved vertices. smooth: they lie on the limit surface of the dense mesh.
+// Finds how the moved vertices, and the vertices of the base mesh, follow the finest layer, by one search.
+// rest: of the moved vertices. smooth: they lie on the limit surface of the base mesh.
 void find_nearest(Transfer& transfer, const CoarseMesh& coarse, const Layers& layers,
                   std::span<const Vec3> rest, bool smooth) {
-    const Surface& dense = transfer.base;
-    const std::vector<Index> parts = connected_parts(dense);
-    const Finest finest = finest_of(layers, coarse, dense, parts);
-    SparseRows passes = smooth ? vertex_limit_stencils(dense) : identity_rows(dense.welded.vertex_count);
+    const Surface& base = transfer.base;
+    const std::vector<Index> parts = connected_parts(base);
+    const Finest finest = finest_of(layers, coarse, base, parts);
+    SparseRows passes = smooth ? vertex_limit_stencils(base) : identity_rows(base.welded.vertex_count);
     std::vector<Vec3> points(parts.size());
-    apply<Vec3>(passes, dense.positions_rest, points);
+    apply<Vec3>(passes, base.positions_rest, points);
     std::vector<Index> part = parts;
     points.insert(points.end(), rest.begin(), rest.end());
     for (const SurfacePoint& place : transfer.attachments.places)
-        part.push_back(parts[welded_vertices(dense, place.triangle)[0]]);
+        part.push_back(parts[welded_vertices(base, place.triangle)[0]]);
     const Nearest nearest = nearest_on(finest, points, part);
     const size_t own = parts.size();
     std::vector<float> share, remainder;
@@ -98,9 +98,9 @@ void find_nearest(Transfer& transfer, const CoarseMesh& coarse, const Layers& la
         remainder.push_back(1.0f - share.back());
     }
     transfer.from_finest = scaled(rows_between(nearest.rows, own, points.size()), share);
-    transfer.from_dense = scaled(attachment_rows(dense, transfer.attachments), remainder);
+    transfer.from_base = scaled(attachment_rows(base, transfer.attachments), remainder);
     transfer.binding =
-        bind_to_finest(dense, std::move(passes), rows_between(nearest.rows, 0, own),
+        bind_to_finest(base, std::move(passes), rows_between(nearest.rows, 0, own),
                        std::span(nearest.distance).first(own), finest.positions_rest, finest.edge);
 }
 
@@ -109,7 +109,7 @@ void find_nearest(Transfer& transfer, const CoarseMesh& coarse, const Layers& la
 std::shared_ptr<const Transfer> build_transfer(Surface base, const CoarseMesh& coarse, const Layers& layers,
                                                Index level, Index display_steps, Index most_vertices,
                                                Index viewport_steps) {
-    expect_count("layers", layers.base.display.vertex_count, coarse.dense_vertex.size(), "coarse vertices");
+    expect_count("layers", layers.base.display.vertex_count, coarse.base_vertex.size(), "coarse vertices");
     auto out = std::make_shared<Transfer>();
     out->base = std::move(base);
     FineSource source;
@@ -146,7 +146,7 @@ void show(const Transfer& transfer, const CoarseMesh& coarse, const Layers& laye
     apply(transfer.from_finest, to_rows(displacements), offset);
     attach(transfer.base, transfer.attachments, base, {}, solved);
     attach(transfer.base, transfer.attachments, bound, {}, to_bound);
-    apply<Vec3>(transfer.from_dense, bound_displacements(transfer.binding, displacements), followed);
+    apply<Vec3>(transfer.from_base, bound_displacements(transfer.binding, displacements), followed);
     for (size_t v = 0; v < moved; ++v) {
         offset[v] += followed[v] + to_bound[v];
         solved[v] += offset[v];

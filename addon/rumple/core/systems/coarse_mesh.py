@@ -19,6 +19,7 @@ MEAN_EDGE = 32.0 / 33.0  # mean edge of a coarse mesh / distance of its vertices
 SPACING_RANGE = math.sqrt(2.0)  # distance of coarse vertices / COARSE_SPACING: at most this, at least 1 / this
 WIDE = 0.1  # metres: if the finest folds are this wide, and for every skirt, the coarse edges are twice as long
 DENSE = 20.0 / 33.0  # relative to COARSE_SPACING: a base with shorter edges or narrower faces is not solved itself
+LONG = 2.0  # relative to COARSE_SPACING: nor is one with longer edges, which could not hang in folds
 
 
 def fitting_spacing(usual: float, wavelength: float) -> float:
@@ -30,20 +31,20 @@ def fitting_spacing(usual: float, wavelength: float) -> float:
 
 def coarse_mesh(base: BaseMesh, settings: MeshSettings, surface: Any, unit_scale: float,
                 outer: OuterSide | None = None) -> Any:
-    """The native mesh that is solved in place of a base: as it was modelled, if it is too dense for wide folds or of
-    triangles, or else an even one, if it is too dense, or the outer side of a base with an inner side. None: the base
-    itself."""
+    """The native mesh that is solved in place of a base: as it was modelled, if its edges are too short for wide folds,
+    or it has triangles; subdivided, if they are too long; or else an even one, if they are too short, or of the outer
+    side of a base with an inner side. None: the base itself."""
     size = size_of(base, unit_scale)
     by_wavelength, cloth = settings.density == "WAVELENGTH", base if outer is None else outer.mesh
     wide = by_wavelength and (settings.wavelength >= WIDE * size or is_flared(cloth, direction_of(settings.up)))
     spacing = COARSE_SPACING * size * (2.0 if wide else 1.0)
-    limit = DENSE * spacing / unit_scale
+    least, most = DENSE * spacing / unit_scale, LONG * spacing / unit_scale
     spacing = fitting_spacing(spacing, settings.wavelength) if by_wavelength else spacing
-    dense = base.mean_edge() < limit or kernels.is_uneven(surface, limit)
+    dense = base.mean_edge() < least or kernels.is_uneven(surface, least)
     part, may_change = None if outer is None else outer.surface, by_wavelength and settings.base_cloth != "OFF"
     try:
-        if may_change and (dense or cloth.is_of_triangles()):
-            return kernels.as_modelled(surface, limit, part)
+        if may_change and (dense or cloth.is_of_triangles() or base.mean_edge() > most):
+            return kernels.as_modelled(surface, least, most, part)
     except ValueError:
         pass  # it was modelled so, or with narrow faces
     try:

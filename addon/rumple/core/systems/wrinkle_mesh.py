@@ -84,8 +84,8 @@ class WrinkleMesh(Wrinkles):
     layer_count = 0  # 0: one mesh, as in the paper
     finer_layers = 0  # how many of the last layers are only for folds that are painted narrower
     _halvings = 0.0  # halvings of the mean edge for the wavelength in the settings
-    coarse: Any = None  # native: represents a dense base, or one with an inner side
-    transfer: Any = None  # native: shows the layers on the dense mesh, if `coarse` is set
+    coarse: Any = None  # native: in place of the base, where its edges do not suit, or for its outer side
+    transfer: Any = None  # native: shows the layers on the base mesh, if `coarse` is set
     _finest: np.ndarray | None = None
 
     @classmethod
@@ -138,7 +138,7 @@ class WrinkleMesh(Wrinkles):
     @classmethod
     def _build_layers(cls, checked: Checked, settings: MeshSettings, unit_scale: float, most_vertices: int,
                       viewport_steps: int) -> "WrinkleMesh":
-        """Build layers on the base, or on a coarse mesh that represents a dense base."""
+        """Build layers on the base, or on a coarse mesh in its place."""
         base, surface, warnings = checked
         outer = find_outer_side(base, surface, settings.weld)
         coarse = coarse_mesh(base, settings, surface, unit_scale, outer)
@@ -162,7 +162,7 @@ class WrinkleMesh(Wrinkles):
             mesh = cls(base, base, surface, model, warnings, unit_scale)
             if coarse is not None:
                 mesh.outer = outer
-                mesh._show_on_dense(coarse, settings, most_vertices, viewport_steps)
+                mesh._show_on_base(coarse, settings, most_vertices, viewport_steps)
         except ValueError as error:
             raise user_error(base.name, error) from error
         mesh.layer_count, mesh.level, mesh.finest_share = level + 1, level, share
@@ -178,8 +178,8 @@ class WrinkleMesh(Wrinkles):
         if self.coarse_count <= mesh.vertex_count < self.vertex_count:
             self.in_viewport = mesh
 
-    def _show_on_dense(self, coarse: Any, settings: MeshSettings, most_vertices: int, viewport_steps: int) -> None:
-        """Show the layers of the coarse mesh on the dense base, which is subdivided as far as its folds need."""
+    def _show_on_base(self, coarse: Any, settings: MeshSettings, most_vertices: int, viewport_steps: int) -> None:
+        """Show the layers of the coarse mesh on the base, which is subdivided as far as its folds need."""
         steps = settings.level
         if settings.density == "WAVELENGTH":
             edge = (self.base if self.outer is None else self.outer.mesh).mean_edge_by_area() * self.unit_scale
@@ -198,7 +198,11 @@ class WrinkleMesh(Wrinkles):
                 break  # the shown mesh lacks loose vertices, but must have at least as many vertices as the base
 
     def _where_solved(self, values: np.ndarray) -> np.ndarray:
-        return values if self.coarse is None else np.ascontiguousarray(values[self.coarse.dense_vertex])
+        if self.coarse is None:
+            return values
+        if values.ndim > 1:  # directions, of which v and -v mean the same
+            return np.ascontiguousarray(values[self.coarse.base_vertex])
+        return self.coarse.paint(np.ascontiguousarray(values, np.float32))
 
     def _positions_solved(self, positions: np.ndarray) -> np.ndarray:
         return positions if self.coarse is None else self.coarse.positions(positions)

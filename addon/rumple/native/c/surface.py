@@ -94,8 +94,8 @@ class CoarseView(Struct):
     __slots__ = ()
     vertex_count: int  # m
     mean_edge: float  # mean length of its edges, object units
-    dense_vertex: int | None  # (m): for every vertex the nearest vertex of the dense mesh
-    _fields_ = (("vertex_count", c_int32), ("mean_edge", c_float), ("dense_vertex", c_void_p),)
+    base_vertex: int | None  # (m): for every vertex the nearest vertex of the base mesh
+    _fields_ = (("vertex_count", c_int32), ("mean_edge", c_float), ("base_vertex", c_void_p),)
 
 
 class FinePlan(Struct):
@@ -218,11 +218,13 @@ SURFACE_FUNCTIONS: dict[str, tuple[Any, tuple[Any, ...]]] = {
     "rumple_surface_suggest_follow": (CHECKED, (SurfacePointer, c_void_p, c_void_p, c_size_t)),
     "rumple_coarse_build": (CHECKED, (SurfacePointer, c_float, POINTER(CoarsePointer))),
     "rumple_coarse_build_of": (CHECKED, (SurfacePointer, SurfacePointer, c_float, POINTER(CoarsePointer))),
-    "rumple_coarse_as_modelled": (CHECKED, (SurfacePointer, SurfacePointer, c_float, POINTER(CoarsePointer))),
+    "rumple_coarse_as_modelled": (CHECKED, (SurfacePointer, SurfacePointer, c_float, c_float,
+        POINTER(CoarsePointer))),
     "rumple_coarse_free": (None, (CoarsePointer,)),
     "rumple_coarse_get_view": (CHECKED, (CoarsePointer, POINTER(CoarseView))),
     "rumple_coarse_surface": (CHECKED, (CoarsePointer, POINTER(SurfacePointer))),
     "rumple_coarse_positions": (CHECKED, (CoarsePointer, c_void_p, c_size_t, c_void_p, c_size_t)),
+    "rumple_coarse_paint": (CHECKED, (CoarsePointer, c_void_p, c_size_t, c_void_p, c_size_t)),
     "rumple_shown_mesh_get_view": (CHECKED, (ShownMeshPointer, POINTER(ShownMeshView))),
     "rumple_shown_mesh_carry_points": (CHECKED, (ShownMeshPointer, c_void_p, c_size_t, c_int32, c_void_p, c_size_t)),
     "rumple_shown_mesh_carry_corners": (CHECKED, (ShownMeshPointer, c_void_p, c_size_t, c_int32, c_void_p, c_size_t)),

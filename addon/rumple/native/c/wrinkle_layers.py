@@ -87,7 +87,7 @@ class WrinkleTransferPlan(Struct):
     """struct rumple_wrinkle_transfer_plan"""
 
     __slots__ = ()
-    level: int  # subdivisions of the dense mesh whose vertices are moved, >= 0
+    level: int  # subdivisions of the base mesh whose vertices are moved, >= 0
     display_steps: int  # further subdivisions of the shown mesh, >= 0
     viewport_steps: int  # ... of the mesh that viewports show, >= 0; at most as many count
     most_vertices: int  # a shown mesh with more is refused

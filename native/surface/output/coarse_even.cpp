@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "surface/output/coarse.h"
-
 #include <algorithm>
 #include <array>
 #include <limits>
@@ -9,14 +7,11 @@
 #include <queue>
 #include <set>
 
-#include "base/expect.h"
+#include "base/errors.h"
 #include "surface/mesh/disjoint_sets.h"
 #include "surface/mesh/edge_graph.h"
-#include "surface/mesh/positions.h"
-#include "surface/mesh/uneven.h"
-#include "surface/output/as_modelled.h"
-#include "surface/output/attachments.h"
-#include "surface/refine/refinement.h"
+#include "surface/output/coarse.h"
+#include "surface/output/coarse_cage.h"
 
 namespace rumple {
 namespace {
@@ -28,15 +23,10 @@ constexpr float kRadius = 0.7f;
 // Cosine: if the direction of a border changes more, the vertex is a corner.
 constexpr float kStraight = 0.6f;
 
-// Number of corrections of the cage until the smooth surface passes through the dense mesh. Each leaves about
-// half of the error.
-constexpr int kCorrections = 6;
-
 // A mesh whose sides are longer than kDense * spacing is subdivided until they are at most kFine * spacing.
 // Among fewer vertices to choose from, triangles would be as long and as thin as the polygons of the mesh.
 constexpr float kDense = 0.75f, kFine = 0.4f;
 constexpr Index kMostSubdivisions = 2;
-constexpr Index kMostCorners = 400'000;  // of the subdivided mesh: about 0.4 s
 
 // A part of the mesh with less area than this times spacing^2 (a button, a torn piece) has no vertices of its
 // own. It moves along with the cloth under it, and does not fall.
@@ -157,11 +147,6 @@ std::vector<Corners> without_small_parts(const std::vector<Corners>& triangles,
     return out.empty() ? triangles : out;
 }
 
-Surface surface_of(std::span<const Vec3> positions, const PolygonMesh& polygons) {
-    return build_surface(
-        {positions, polygons.polygon_start, polygons.corner_vertex, fan_triangles(polygons), false});
-}
-
 PolygonMesh polygons_of(const std::vector<Corners>& triangles) {
     PolygonMesh out;
     for (const auto& triangle : triangles) {
@@ -169,12 +154,6 @@ PolygonMesh polygons_of(const std::vector<Corners>& triangles) {
         out.polygon_start.push_back(out.corners());
     }
     return out;
-}
-
-// The column with the largest weight in a row; of equal ones the first.
-Index largest(const SparseRows& rows, Index r) {
-    const auto from = rows.weight.begin() + rows.start[r];
-    return rows.index[std::max_element(from, rows.weight.begin() + rows.start[r + 1]) - rows.weight.begin()];
 }
 
 // The mean length of the sides of the triangle around a random point of the surface.
@@ -191,28 +170,21 @@ float side_by_area(const Surface& surface) {
     return area > 0.0 ? float(sum / area) : 0.0f;
 }
 
-float mean_edge(const Surface& surface) {
-    double sum = 0.0;
-    for (const Edge& e : surface.edges)
-        sum += glm::distance(surface.positions_rest[e.a], surface.positions_rest[e.b]);
-    return float(sum / double(surface.edges.size()));
-}
-
-// The vertices that samples are chosen among: those of the dense mesh or, if it is not so dense, of its
+// The vertices that samples are chosen among: those of the base mesh or, if it is not so dense, of its
 // smooth surface.
 struct Candidates {
     Surface surface;
-    SparseRows from_dense;            // positions <- welded vertices of the dense mesh
-    std::vector<Index> dense_vertex;  // the nearest welded vertex of the dense mesh
+    SparseRows from_base;            // positions <- welded vertices of the base mesh
+    std::vector<Index> base_vertex;  // the nearest welded vertex of the base mesh
 };
 
 // How often the mesh must be subdivided. Both means count: a vertex that strayed far away makes long sides
 // around most of the area.
-Index levels_for(const Surface& dense, float spacing) {
+Index levels_for(const Surface& base, float spacing) {
     Index levels = 0;
-    float side = std::min(side_by_area(dense), mean_edge(dense));
+    float side = std::min(side_by_area(base), mean_edge(base));
     if (side <= kDense * spacing) return levels;
-    double corners = dense.welded.corners();
+    double corners = base.welded.corners();
     while (side > kFine * spacing && levels < kMostSubdivisions && (corners *= 4.0) <= kMostCorners) {
         side /= 2.0f;
         ++levels;
@@ -220,38 +192,13 @@ Index levels_for(const Surface& dense, float spacing) {
     return levels;
 }
 
-Candidates candidates_of(const Surface& dense, float spacing) {
-    const Index levels = levels_for(dense, spacing);
-    if (levels == 0) {
-        std::vector<Index> same(dense.welded.vertex_count);
-        std::iota(same.begin(), same.end(), 0);
-        return {dense, identity_rows(dense.welded.vertex_count), std::move(same)};
-    }
-    Candidates out;
-    const FineMesh fine = refine_subdivision(dense.welded, levels);
-    out.from_dense = subdivision_stencils(dense.welded, levels, true);
-    std::vector<Vec3> rest(out.from_dense.rows());
-    apply<Vec3>(out.from_dense, dense.positions_rest, rest);
-    out.surface = surface_of(rest, fine.mesh);
-    for (Index v = 0; v < fine.vertex_from_parent.rows(); ++v)
-        out.dense_vertex.push_back(largest(fine.vertex_from_parent, v));
-    return out;
-}
-
-// Moves vertices along their normals until the smooth surface passes through their former positions. They do
-// not move along the surface: the smooth surface need not pass a vertex exactly there, and small triangles
-// would turn over.
-std::vector<Vec3> cage_around(const Surface& surface, const SparseRows& limit, std::span<const Vec3> wanted) {
-    const std::vector<Vec3> normals = vertex_normals(surface, wanted);
-    std::vector<Vec3> cage(wanted.begin(), wanted.end()), at(wanted.size());
-    for (int i = 0; i < kCorrections; ++i) {
-        apply<Vec3>(limit, cage, at);
-        for (size_t v = 0; v < at.size(); ++v) {
-            if (limit.start[v] < limit.start[v + 1])
-                cage[v] += glm::dot(wanted[v] - at[v], normals[v]) * normals[v];
-        }
-    }
-    return cage;
+Candidates candidates_of(const Surface& base, float spacing) {
+    const Index levels = levels_for(base, spacing);
+    std::vector<Index> same(base.welded.vertex_count);
+    std::iota(same.begin(), same.end(), 0);
+    if (levels == 0) return {base, identity_rows(base.welded.vertex_count), std::move(same)};
+    Subdivided fine = subdivide(base, base.welded, same, levels);
+    return {surface_of(fine.rest, fine.mesh), std::move(fine.on_surface), std::move(fine.nearest)};
 }
 
 // Vertices at which an open border turns sharply. What is outside the coarse mesh moves with the mesh's
@@ -274,45 +221,11 @@ std::vector<Index> corners_of_borders(const Surface& surface) {
     return out;
 }
 
-// A mesh whose smooth surface passes through `rest`, the places of its vertices.
-void take_cage(std::span<const Vec3> rest, const PolygonMesh& polygons, CoarseMesh& out) {
-    const Surface through = surface_of(rest, polygons);
-    out.limit = vertex_limit_stencils(through);
-    out.surface = surface_of(cage_around(through, out.limit, rest), polygons);
-    out.mean_edge = mean_edge(out.surface);
-}
-
 }  // namespace
 
-std::shared_ptr<const CoarseMesh> build_as_modelled(const Surface& dense, float least_edge) {
-    if (!(least_edge > 0.0f))
-        throw InvalidInput("least_edge: expected above 0, got " + std::to_string(least_edge));
-    std::vector<Index> vertex(dense.welded.vertex_count);
-    std::iota(vertex.begin(), vertex.end(), 0);
-    std::optional<MeshBefore> before = joined_triangles(dense);
-    if (!before) before = undivided(dense.welded);
-    for (; before; before = undivided(before->mesh)) {
-        std::vector<Vec3> rest;
-        for (Index& v : before->vertex) rest.push_back(dense.positions_rest[v = vertex[v]]);
-        vertex = before->vertex;
-        const Surface surface = surface_of(rest, before->mesh);
-        if (mean_edge(surface) < least_edge) continue;
-        if (is_uneven(surface, least_edge)) break;
-        auto out = std::make_shared<CoarseMesh>();
-        for (const Index v : vertex) {
-            out->from_dense.add(v, 1.0f);
-            out->from_dense.end_row();
-            out->dense_vertex.push_back(dense.representative[v]);
-        }
-        take_cage(rest, before->mesh, *out);
-        return out;
-    }
-    throw InvalidInput("the mesh was not modelled with even faces of such edges");
-}
-
-std::shared_ptr<const CoarseMesh> build_coarse(const Surface& dense, float spacing) {
+std::shared_ptr<const CoarseMesh> build_coarse(const Surface& base, float spacing) {
     if (!(spacing > 0.0f)) throw InvalidInput("spacing: expected above 0, got " + std::to_string(spacing));
-    const Candidates candidates = candidates_of(dense, spacing);
+    const Candidates candidates = candidates_of(base, spacing);
     const Surface& fine = candidates.surface;
     Cells cells(fine);
     std::vector<bool> is_loose(fine.welded.vertex_count, true);
@@ -332,21 +245,15 @@ std::shared_ptr<const CoarseMesh> build_coarse(const Surface& dense, float spaci
     std::vector<Vec3> rest;
     for (const Index v : cells.samples) {
         rest.push_back(fine.positions_rest[v]);
-        out->from_dense.append_row(candidates.from_dense, v);
-        out->dense_vertex.push_back(dense.representative[candidates.dense_vertex[v]]);
+        out->from_base.append_row(candidates.from_base, v);
+        out->base_vertex.push_back(base.representative[candidates.base_vertex[v]]);
+        out->paint_from_base.add(out->base_vertex.back(), 1.0f);
+        out->paint_from_base.end_row();
     }
-    out->from_dense.fit();
+    out->from_base.fit();
+    out->paint_from_base.fit();
     take_cage(rest, polygons_of(without_small_parts(triangles, rest, spacing)), *out);
     return out;
-}
-
-std::vector<Vec3> coarse_positions(const CoarseMesh& coarse, const Surface& dense,
-                                   std::span<const Vec3> positions) {
-    check_frame(dense, positions);  // needed also without coarse vertices
-    const std::vector<Vec3> welded = weld_positions(dense, positions);
-    std::vector<Vec3> wanted(coarse.from_dense.rows());
-    apply<Vec3>(coarse.from_dense, welded, wanted);
-    return cage_around(coarse.surface, coarse.limit, wanted);
 }
 
 }  // namespace rumple
