@@ -124,6 +124,18 @@ class Words(unittest.TestCase):
         bpy.ops.object.rumple_add(method="FIELD")
         self.assertEqual(panels.title(obj), "Wrinkle Field")
 
+    def test_what_a_single_layer_does_not_have_is_not_drawn(self) -> None:
+        """With an adaptive rest shape there is one layer, whatever *Layers* says: its sliders did nothing."""
+        obj = sleeve.scene()
+        settings, drawn = obj.rumple.mesh, mock.Mock()
+        settings.layers = "CLOTH"
+        for rest_shape, layers in (("REST_POSE", True), ("ADAPTIVE", False)):
+            settings.rest_shape = rest_shape
+            with mock.patch.object(panels.cloth_panel, "painted", drawn):
+                panels._draw_first(mock.MagicMock(), obj)
+            self.assertEqual([call.args[2] for call in drawn.call_args_list], ["drape", "folds", "detail"] * layers)
+            drawn.reset_mock()
+
     def test_the_status_in_one_line(self) -> None:
         obj = sleeve.scene()
         self.assertRegex(panels.status_line(obj), r"^[\d,]+ vertices, \d+ ms$")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import bpy
 
 from ...core.paint.hangs_free import FREE
-from ..objects import mesh_reader, properties
+from ..objects import mesh_reader, properties, units
 from ..ui_base import Panel, draw_note, draw_setting, labelled_row, settings_column
 
 
@@ -41,7 +41,7 @@ def _draw_layers(column: bpy.types.UILayout, obj: bpy.types.Object) -> None:
     """Draw the layers of the Wrinkle Mesh. Their amounts are above: panels.py."""
     settings = obj.rumple.mesh
     column.prop(settings, "layers")
-    if settings.layers == "CLOTH" and (settings.source != "SUBDIVISION" or settings.rest_shape == "ADAPTIVE"):
+    if settings.layers == "CLOTH" and not properties.settings_of(obj, units.scene_of(obj)).layered:
         draw_note(column, "Layers need Fine Mesh Subdivision, and a Rest Shape that is not Adaptive")
 
 

@@ -11,7 +11,7 @@ from ..brush import panel as brush_panel
 from ..frame import clip_status, disk_frames
 from ..maps import keys as maps_keys, modifier as maps_modifier
 from ..nodes import field_profile, field_shader
-from ..objects import changes, clip_place, lost_maps, modifier, properties, runtimes, stack_notes
+from ..objects import changes, clip_place, lost_maps, modifier, properties, runtimes, stack_notes, units
 from ..translation import OWN_CONTEXT, said
 from ..ui_base import Panel, draw_message, draw_note, draw_setting, named_paint, property_column, settings_column
 from ..viewport import preview
@@ -85,7 +85,7 @@ def title(obj: bpy.types.Object) -> str:
 def _draw_first(column: bpy.types.UILayout, obj: bpy.types.Object) -> None:
     """Draw the settings that artists change first."""
     settings = properties.group_of(obj)
-    if obj.rumple.method == "MESH" and settings.layers == "CLOTH" and settings.source == "SUBDIVISION":
+    if obj.rumple.method == "MESH" and properties.settings_of(obj, units.scene_of(obj)).layered:
         for name in ("drape", "folds", "detail"):
             cloth_panel.painted(column, obj, name)
     if obj.rumple.method == "FIELD":
