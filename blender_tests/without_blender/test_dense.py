@@ -15,7 +15,7 @@ from rumple.core.systems.coarse_mesh import COARSE_SPACING, SPACING_RANGE, coars
 from rumple.core.systems.wrinkle_mesh import WrinkleMesh, cloth_defaults
 from rumple.native import kernels
 from support.frames import solve_frame
-from support.meshes import tube
+from support.meshes import sheet, tube
 
 # 10 cm wide and 50 cm long, as a sleeve is.
 WIDTH, LENGTH = 0.2, 0.5
@@ -223,6 +223,50 @@ class LongEdges(unittest.TestCase):
         height = base.positions[:, 2] / LENGTH
         carried = mesh.coarse.paint(height)
         np.testing.assert_allclose(np.unique(carried.round(5)), np.linspace(0.0, 1.0, 13), atol=1e-5)
+
+
+class SewnOn(unittest.TestCase):
+    """A pocket has no border that holds it: as a garment of its own it fell off, and the shirt front of a jacket came
+    through the jacket. It is not solved, and moves with the cloth under it."""
+
+    def test_a_pocket_moves_with_the_cloth_under_it(self) -> None:
+        for faces in ((21, 17), (80, 62)):  # solved itself, and on an even mesh
+            garment = sleeve(*faces)
+            pocket = patch_on(garment)
+            count = len(garment.positions)
+            base = joined(garment, pocket)
+            settings = settings_of(base)
+            mesh = WrinkleMesh.build(base, settings)
+            self.assertLess(mesh.coarse.base_vertex.max(), count)
+            for frame in range(1, 6):
+                pushed = pushed_together(base, 1.0 - 0.04 * frame)
+                picture = solve_frame(mesh, float(frame), pushed, settings, {}, start=1)
+            shown = picture.positions[:len(base.positions)]  # the vertices of the base come first
+            moved = np.linalg.norm(shown - mesh.positions_rest[:len(shown)], axis=1)
+            self.assertGreater(moved[:count].max(), 0.01)
+            for vertex in range(count, len(base.positions)):
+                near = np.argmin(np.linalg.norm(garment.positions - base.positions[vertex], axis=1))
+                apart = np.linalg.norm(shown[vertex] - shown[near])
+                self.assertLess(apart, 0.03, (faces, vertex))
+
+
+def patch_on(garment: BaseMesh) -> BaseMesh:
+    """A pocket of 4 x 4 faces, 6 cm wide, 4 mm off the middle of a sleeve."""
+    flat = sheet(4, 4, 0.06)
+    across, along = flat.positions[:, 0] - 0.03, flat.positions[:, 1] - 0.03
+    radius = np.hypot(*garment.positions[:, :2].T).max() + 0.004
+    angle = across / radius
+    at = np.stack([radius * np.cos(angle), radius * np.sin(angle), 0.5 * LENGTH + along], axis=1)
+    return replace(flat, positions=np.ascontiguousarray(at, np.float32))
+
+
+def joined(first: BaseMesh, other: BaseMesh) -> BaseMesh:
+    """Both in one mesh."""
+    vertices, corners = len(first.positions), len(first.corner_vertex)
+    return BaseMesh(first.name, np.r_[first.positions, other.positions],
+                    np.r_[first.polygon_start, other.polygon_start[1:] + np.int32(corners)],
+                    np.r_[first.corner_vertex, other.corner_vertex + np.int32(vertices)],
+                    np.r_[first.triangle_corner, other.triangle_corner + np.int32(corners)])
 
 
 class FoldWidths(unittest.TestCase):

@@ -33,7 +33,9 @@ rumple_status rumple_coarse_build_of(const rumple_surface* base, const rumple_su
 rumple_status rumple_coarse_as_modelled(const rumple_surface* base, const rumple_surface* part,
                                         float least_edge, float most_edge, rumple_coarse** coarse) {
     return made(coarse, "coarse", [&] {
-        return new rumple_coarse{build_as_modelled(part_of(base, part), least_edge, most_edge), base->shared};
+        const Surface& from = part_of(base, part);
+        const bool is_whole = from.display.polygons() == base->surface.display.polygons();
+        return new rumple_coarse{build_as_modelled(from, least_edge, most_edge, !is_whole), base->shared};
     });
 }
 

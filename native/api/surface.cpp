@@ -45,6 +45,13 @@ std::vector<Crease> creases_of(const rumple_surface_plan& plan) {
     return creases;
 }
 
+// An argument `up`.
+Vec3 direction(const float up[3]) {
+    given(up, "up");
+    expect_within("length of up", glm::length(Vec3(up[0], up[1], up[2])), 0.5, 2.0);
+    return {up[0], up[1], up[2]};
+}
+
 }  // namespace
 
 struct rumple_healed {
@@ -134,10 +141,19 @@ rumple_status rumple_surface_suggest_follow(const rumple_surface* surface, const
                                             size_t follow_count) {
     return guarded([&] {
         const Surface& s = given(surface, "surface").surface;
-        given(up, "up");
-        expect_within("length of up", glm::length(Vec3(up[0], up[1], up[2])), 0.5, 2.0);
+        const Vec3 upwards = direction(up);
         const auto out = output<float>(follow, follow_count, size_t(s.display.vertex_count), "follow");
-        write(suggest_follow(s, {up[0], up[1], up[2]}), out);
+        write(suggest_follow(s, upwards), out);
+    });
+}
+
+rumple_status rumple_surface_sewn_on(const rumple_surface* surface, const float up[3], uint8_t* sewn,
+                                     size_t sewn_count) {
+    return guarded([&] {
+        const Surface& s = given(surface, "surface").surface;
+        const Vec3 upwards = direction(up);
+        const auto out = output<uint8_t>(sewn, sewn_count, size_t(s.display.polygons()), "sewn");
+        std::ranges::copy(find_sewn_on(s, upwards), out.begin());
     });
 }
 

@@ -150,6 +150,10 @@ void measure_surface(World& world, Bytes& bytes) {
     Written follow(surface.base ? size_t(surface.base->vertices) : 3, 1, bytes);
     follow.check(CALL(rumple_surface_suggest_follow, surface.handle, up, follow.pointer(), follow.count),
                  "follow");
+    const size_t polygons = surface.base ? size_t(surface.base->polygons) : 3;
+    std::vector<std::uint8_t> sewn(polygons, 2);
+    if (CALL(rumple_surface_sewn_on, surface.handle, up, sewn.data(), polygons) == RUMPLE_OK)
+        for (const std::uint8_t one : sewn) require(one < 2, "not written", "rumple_surface_sewn_on");
     find_outer_side(surface, up[0] > 0.9f);
 }
 

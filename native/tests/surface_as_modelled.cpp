@@ -317,6 +317,12 @@ TEST(AsModelled, AMeshWithLongEdgesIsSubdividedUntilTheyAreShortEnough) {
     expect_refused([&] { build_as_modelled(surface, 0.02f, 0.05f); }, {"needs no other"});
 }
 
+TEST(AsModelled, APartOfAMeshMayBeSolvedAsItIs) {
+    const Surface surface = build(tube(12, 9, 0.08f, 0.4f));
+    const auto coarse = build_as_modelled(surface, 0.02f, 1.0f, true);
+    EXPECT_EQ(coarse->surface.welded.corner_vertex, surface.welded.corner_vertex);
+}
+
 TEST(AsModelled, ASubdividedMeshHasTheSmoothSurfaceOfTheBase) {
     const MeshData mesh = tube(12, 9, 0.08f, 0.4f);
     const Surface surface = build(mesh);

@@ -71,6 +71,30 @@ TEST(Openings, ASheetIsHeldByItsUpperEnd) {
     for (size_t v = 81; v < follow.size(); ++v) EXPECT_EQ(follow[v], 0.0f) << v;
 }
 
+// Of the polygons of the first and the second part, how many are sewn on.
+std::pair<Index, Index> sewn_on(const MeshData& first, const MeshData& second, const Vec3& at) {
+    const std::vector<bool> sewn =
+        find_sewn_on(build(with_part(first, second, at), true), {0.0f, 1.0f, 0.0f});
+    const auto begin = sewn.begin() + std::ptrdiff_t(first.polygon_start.size()) - 1;
+    return {Index(std::count(sewn.begin(), begin, true)), Index(std::count(begin, sewn.end(), true))};
+}
+
+TEST(SewnOn, APocketOverAndAShirtFrontUnderAnotherPartAreIfNothingHoldsThem) {
+    const MeshData cape = grid(8, 8, 0.1f), pocket = grid(2, 2, 0.05f);
+    EXPECT_EQ(sewn_on(cape, pocket, {0.3f, 0.4f, 0.01f}), std::pair(0, 4));
+    EXPECT_EQ(sewn_on(cape, pocket, {0.3f, 0.4f, -0.01f}), std::pair(0, 4));
+    EXPECT_EQ(sewn_on(cape, pocket, {0.3f, 0.4f, 0.2f}), std::pair(0, 0)) << "far away";
+    EXPECT_EQ(sewn_on(cape, pocket, {0.9f, 0.4f, 0.01f}), std::pair(0, 0)) << "beside it";
+    EXPECT_EQ(sewn_on(cape, pocket, {0.78f, 0.4f, 0.01f}), std::pair(0, 0)) << "a third of it is over it";
+}
+
+TEST(SewnOn, WhatHasAnOpeningHoldsItself) {  // a shirt under a jacket
+    MeshData shirt = tube(16, 8, 0.2f, 0.5f), jacket = tube(16, 8, 0.21f, 0.5f);
+    for (MeshData* mesh : {&shirt, &jacket})
+        for (Vec3& p : mesh->positions) p = {p.y, p.x, p.z};
+    EXPECT_EQ(sewn_on(jacket, shirt, {0.0f, 0.0f, 0.0f}), std::pair(0, 0));
+}
+
 // A blanket has no upper end, and of many sheets (cards of hair) none is the garment.
 TEST(Openings, WhatLiesIsNotHeldNorOneOfManySheets) {
     MeshData blanket = grid(8, 8, 0.1f);

@@ -116,12 +116,25 @@ def outer_side(surface: Surface, polygon_count: int) -> tuple[np.ndarray, float]
 def suggest_follow(surface: Surface, up: Sequence[float]) -> np.ndarray:
     """(n,) float32: how firmly every vertex follows the animation, 0 to 1. It is derived from the open borders at rest:
     collars, waistbands and cuffs. up: three floats, unit, object space."""
-    direction = np.array(up, np.float32)
-    if direction.shape != (3,):
-        raise ValueError(f"up: expected three floats, got {direction.shape}")
+    direction = _direction(up)
     follow = new(FLOAT, surface.vertex_count)
     lib.rumple_surface_suggest_follow(surface, address(direction), address(follow), len(follow))
     return follow
+
+
+def sewn_on(surface: Surface, up: Sequence[float], polygon_count: int) -> np.ndarray:
+    """(p,) bool: the polygons of parts that are sewn on other parts of the garment (pockets, lapels, the shirt front in
+    a jacket). Alone they would fall. up: as of suggest_follow."""
+    direction, sewn = _direction(up), new(BYTE, polygon_count)
+    lib.rumple_surface_sewn_on(surface, address(direction), address(sewn), sewn.size)
+    return sewn.astype(bool)
+
+
+def _direction(up: Sequence[float]) -> np.ndarray:
+    direction = np.array(up, np.float32)
+    if direction.shape != (3,):
+        raise ValueError(f"up: expected three floats, got {direction.shape}")
+    return direction
 
 
 def rigid_motions(starts: np.ndarray, before: np.ndarray, after: np.ndarray) -> np.ndarray:
@@ -354,4 +367,5 @@ def label_clip(model: Any, settings: Any, times: np.ndarray, positions: np.ndarr
 
 
 __all__ = ["HealedMesh", "ShownFrame", "ShownMesh", "Surface", "build_surface", "count_openings", "embed_frame",
-           "heal_mesh", "is_uneven", "label_clip", "outer_side", "rigid_motions", "suggest_follow"]
+           "heal_mesh", "is_uneven", "label_clip", "outer_side", "rigid_motions", "sewn_on",
+           "suggest_follow"]

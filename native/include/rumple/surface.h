@@ -118,6 +118,14 @@ RUMPLE_API rumple_status rumple_surface_outer_side(const rumple_surface* surface
 RUMPLE_API rumple_status rumple_surface_suggest_follow(const rumple_surface* surface, const float up[3],
                                                        float* follow, size_t follow_count);
 
+// Finds the parts that are sewn on other parts of the garment: pockets, lapels, the shirt front in a jacket.
+// Nothing of them is held (collar, waistband, cuff), and they lie over or under another part. Alone they
+// would fall, so they should move with that part: see `part` of rumple_coarse_as_modelled(). up: as above.
+// sewn: (polygons), written: 1 for the polygons of such parts. Cost: O(edges log edges); with such a part O(n
+// log n).
+RUMPLE_API rumple_status rumple_surface_sewn_on(const rumple_surface* surface, const float up[3],
+                                                uint8_t* sewn, size_t sewn_count);
+
 // ---- a coarse mesh in place of the base mesh
 
 // A coarse mesh whose smooth surface passes through that of the base mesh. So wide folds are solved on few
@@ -137,7 +145,8 @@ RUMPLE_API rumple_status rumple_coarse_build_of(const rumple_surface* base, cons
 // and Clark, or Blender's Simple) taken back until the mean edge is at least least_edge, > 0, and at most a
 // tenth of the area is in narrower polygons. If it was modelled with longer edges, it is subdivided until the
 // mean edge is at most most_edge, >= 2 x least_edge. Object units. part: as above, or the base mesh itself.
-// Refused: a mesh without such a mesh, or that is it. Cost: about 2 us a polygon.
+// Refused: a mesh without such a mesh, or if that is the base mesh with all its polygons. Cost: about 2 us a
+// polygon.
 RUMPLE_API rumple_status rumple_coarse_as_modelled(const rumple_surface* base, const rumple_surface* part,
                                                    float least_edge, float most_edge, rumple_coarse** coarse);
 RUMPLE_API void rumple_coarse_free(rumple_coarse* coarse);

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "surface/cloth/garment_borders.h"
+#include "surface/cloth/overlaps.h"
 #include "surface/mesh/edge_graph.h"
 
 namespace rumple {
@@ -27,6 +28,10 @@ constexpr float kLowest = 0.1f;
 // without a border to kClosedEnd. What lies flat (a blanket), with a height of less than kHangs of the
 // diagonal, has no upper end.
 constexpr float kUpperEnd = 0.06f, kClosedEnd = 0.03f, kHangs = 0.25f;
+
+// Least share of the vertices of a part that is sewn on which lie over or under another part. Of a belt with
+// a thickness it is a half.
+constexpr float kSewn = 0.4f;
 
 // The hold of a border fades out over this share of the part's diagonal.
 constexpr float kFade = 0.07f;
@@ -91,10 +96,8 @@ std::vector<Index> find_upper_end(const Surface& surface, std::span<const Index>
     return upper;
 }
 
-}  // namespace
-
-std::vector<float> suggest_follow(const Surface& surface, const Vec3& up) {
-    const Borders borders(surface, up);
+// Per welded vertex: how firmly it is held by the borders of its part.
+std::vector<float> find_held(const Surface& surface, const Borders& borders, const Vec3& up) {
     std::vector<float> highest(borders.parts, std::numeric_limits<float>::lowest());
     std::vector<float> lowest(borders.parts, std::numeric_limits<float>::max());
     for (const Border& border : borders.all) {
@@ -119,8 +122,47 @@ std::vector<float> suggest_follow(const Surface& surface, const Vec3& up) {
     if (const Border* sheet = find_sheet(borders)) hold_upper_end(sheet->vertices, kUpperEnd);
     const std::vector<Index> closed = find_closed(borders);
     if (!closed.empty()) hold_upper_end(closed, kClosedEnd);
+    return follow;
+}
+
+// Per part of the garment: find_sewn_on().
+std::vector<bool> sewn_on(const Surface& surface, const Borders& borders, std::span<const float> held) {
+    std::vector<Index> vertices(size_t(borders.parts), 0), covered(vertices);
+    std::vector<bool> sewn(vertices.size(), true);
+    for (size_t v = 0; v < held.size(); ++v) {
+        if (borders.part[v] == kNone) continue;
+        ++vertices[size_t(borders.part[v])];
+        if (held[v] > 0.0f) sewn[size_t(borders.part[v])] = false;
+    }
+    if (borders.parts < 2 || std::ranges::find(sewn, true) == sewn.end())
+        return std::vector<bool>(sewn.size(), false);
+    Index last = kNone;  // a vertex may have a place under it and one over it
+    for (const base_cloth::Overlap& overlap : base_cloth::find_overlaps(surface)) {
+        if (overlap.vertex != last) ++covered[size_t(borders.part[overlap.vertex])];
+        last = overlap.vertex;
+    }
+    for (size_t p = 0; p < sewn.size(); ++p)
+        sewn[p] = sewn[p] && float(covered[p]) >= kSewn * float(vertices[p]);
+    return sewn;
+}
+
+}  // namespace
+
+std::vector<float> suggest_follow(const Surface& surface, const Vec3& up) {
+    const std::vector<float> held = find_held(surface, Borders(surface, up), up);
     std::vector<float> out;
-    for (const Index welded : surface.welded_of) out.push_back(follow[welded]);
+    for (const Index welded : surface.welded_of) out.push_back(held[welded]);
+    return out;
+}
+
+std::vector<bool> find_sewn_on(const Surface& surface, const Vec3& up) {
+    const Borders borders(surface, up);
+    const std::vector<bool> sewn = sewn_on(surface, borders, find_held(surface, borders, up));
+    std::vector<bool> out;
+    for (Index p = 0; p < surface.welded.polygons(); ++p) {
+        const Index corner = surface.welded.corner_vertex[surface.welded.polygon_start[p]];
+        out.push_back(sewn[size_t(borders.part[corner])]);
+    }
     return out;
 }
 

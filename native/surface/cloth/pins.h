@@ -18,6 +18,11 @@ namespace rumple {
 // Cost: O(edges log edges).
 std::vector<float> suggest_follow(const Surface& surface, const Vec3& up);
 
+// Per polygon: whether its part is sewn on another one. Nothing of it is held by the rules above, and two
+// fifths or more of its vertices lie over or under another part (surface/cloth/overlaps.h): pockets, lapels,
+// the shirt front in a jacket. Alone they would fall. Cost: as suggest_follow(); with such a part O(n log n).
+std::vector<bool> find_sewn_on(const Surface& surface, const Vec3& up);
+
 // The number of openings of the connected part that has most of them. An opening is an open border that is
 // not the outline of a sheet. A shirt has four, a skirt two, a head one. Separate heads, arms and feet also
 // give one. A wide hem is not an outline if its part has a waist.

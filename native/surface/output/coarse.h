@@ -35,8 +35,9 @@ std::shared_ptr<const CoarseMesh> build_coarse(const Surface& base, float spacin
 // taken back until the mean edge is at least least_edge, > 0, and the faces are not uneven (is_uneven()) for
 // this width. If it was modelled with longer edges, it is subdivided until the mean edge is at most
 // most_edge, at least 2 x least_edge. Object units. Throws InvalidInput if there is no such mesh, or if it is
-// the base itself. Cost: O(corners x log corners), plus that of limit_stencils().
-std::shared_ptr<const CoarseMesh> build_as_modelled(const Surface& base, float least_edge, float most_edge);
+// the base itself and may not be. Cost: O(corners x log corners), plus that of limit_stencils().
+std::shared_ptr<const CoarseMesh> build_as_modelled(const Surface& base, float least_edge, float most_edge,
+                                                    bool may_be_base = false);
 
 // Computes positions of the coarse vertices, such that the smooth surface of the coarse mesh passes through
 // the base mesh. positions: of the base mesh's vertices, object space. Throws InvalidInput if positions do

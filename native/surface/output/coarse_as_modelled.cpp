@@ -48,11 +48,12 @@ void expect_edges(float least_edge, float most_edge) {
 
 }  // namespace
 
-std::shared_ptr<const CoarseMesh> build_as_modelled(const Surface& base, float least_edge, float most_edge) {
+std::shared_ptr<const CoarseMesh> build_as_modelled(const Surface& base, float least_edge, float most_edge,
+                                                    bool may_be_base) {
     expect_edges(least_edge, most_edge);
     const MeshBefore mesh = modelled(base, least_edge);
     const Index levels = levels_for(surface_at_rest(base, mesh), most_edge);
-    if (levels == 0 && mesh.mesh.polygons() == base.welded.polygons())
+    if (!may_be_base && levels == 0 && mesh.mesh.polygons() == base.welded.polygons())
         throw InvalidInput("the mesh was modelled with such edges: it needs no other");
     Subdivided fine = subdivide(base, mesh.mesh, mesh.vertex, levels);
     auto out = std::make_shared<CoarseMesh>();

@@ -6,6 +6,7 @@ import math
 from typing import Any
 
 from ...native import kernels
+from ..base.wording import UserError
 from ..mesh.base_mesh import BaseMesh
 from ..mesh.figure_size import size_of
 from ..mesh.outer_side import OuterSide
@@ -41,15 +42,26 @@ def coarse_mesh(base: BaseMesh, settings: MeshSettings, surface: Any, unit_scale
     least, most = DENSE * spacing / unit_scale, LONG * spacing / unit_scale
     spacing = fitting_spacing(spacing, settings.wavelength) if by_wavelength else spacing
     dense = base.mean_edge() < least or kernels.is_uneven(surface, least)
-    part, may_change = None if outer is None else outer.surface, by_wavelength and settings.base_cloth != "OFF"
+    may_change = by_wavelength and settings.base_cloth != "OFF"
+    whole = surface if outer is None else outer.surface
+    part = _without_sewn_on(cloth, whole, settings) if may_change else whole
     try:
-        if may_change and (dense or cloth.is_of_triangles() or base.mean_edge() > most):
+        if may_change and (dense or cloth.is_of_triangles() or base.mean_edge() > most or part is not whole):
             return kernels.as_modelled(surface, least, most, part)
     except ValueError:
         pass  # it was modelled so, or with narrow faces
     try:
-        if outer is not None or (may_change and dense):
+        if outer is not None or part is not whole or (may_change and dense):
             return kernels.build_coarse(surface, spacing / unit_scale, part)
     except ValueError:
         pass  # it is too small
     return None
+
+
+def _without_sewn_on(cloth: BaseMesh, surface: Any, settings: MeshSettings) -> Any:
+    """The native surface of the parts that no other part holds. What is sewn on them, as a pocket is, moves along."""
+    sewn = kernels.sewn_on(surface, direction_of(settings.up), len(cloth.polygon_start) - 1)
+    try:
+        return cloth.only(~sewn).surface(settings.weld) if sewn.any() else surface
+    except UserError:
+        return surface  # for example, sides that meet at a vertex

@@ -216,6 +216,7 @@ SURFACE_FUNCTIONS: dict[str, tuple[Any, tuple[Any, ...]]] = {
     "rumple_surface_is_uneven": (CHECKED, (SurfacePointer, c_float, c_void_p)),
     "rumple_surface_outer_side": (CHECKED, (SurfacePointer, c_void_p, c_size_t, c_void_p)),
     "rumple_surface_suggest_follow": (CHECKED, (SurfacePointer, c_void_p, c_void_p, c_size_t)),
+    "rumple_surface_sewn_on": (CHECKED, (SurfacePointer, c_void_p, c_void_p, c_size_t)),
     "rumple_coarse_build": (CHECKED, (SurfacePointer, c_float, POINTER(CoarsePointer))),
     "rumple_coarse_build_of": (CHECKED, (SurfacePointer, SurfacePointer, c_float, POINTER(CoarsePointer))),
     "rumple_coarse_as_modelled": (CHECKED, (SurfacePointer, SurfacePointer, c_float, c_float,
