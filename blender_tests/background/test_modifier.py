@@ -14,6 +14,7 @@ from unittest import mock
 import bpy
 import numpy as np
 from rumple.blender import compat, handlers, scheduler
+from rumple.blender.maps import modifier as maps_modifier
 from rumple.blender.nodes import wrinkle_tree
 from rumple.blender.objects import modifier, properties, runtimes
 from rumple.blender.ui import operators
@@ -32,6 +33,18 @@ class Stack(unittest.TestCase):
         self.assertEqual([m.name for m in obj.modifiers], ["Armature", "Wrinkle Mesh", "Subdivision", "Solidify"])
         self.assertEqual(obj.rumple.method, "MESH")
         self.assertEqual(obj.rumple.message, "")
+
+    @unittest.skipUnless("use_pin_to_last" in bpy.types.Modifier.bl_rna.properties, "this Blender pins no modifier")
+    def test_stands_there_too_where_the_last_one_is_pinned(self) -> None:
+        """Shade Auto Smooth pins its modifier to the end, and Blender adds others in front of it. Rumple took the last
+        one for its own, and moved that: the wrinkles stayed below the Subdivision, and renders had none."""
+        for add, name in ((lambda obj: modifier.add(obj, "MESH"), "Wrinkle Mesh"),
+                          (maps_modifier.add, maps_modifier.NAME)):
+            obj = sleeve.scene(wrinkles=False)
+            obj.modifiers.new("Subdivision", "SUBSURF")
+            obj.modifiers.new("Smooth by Angle", "WEIGHTED_NORMAL").use_pin_to_last = True
+            self.assertEqual(add(obj), obj.modifiers[name])
+            self.assertEqual([m.name for m in obj.modifiers], ["Armature", name, "Subdivision", "Smooth by Angle"])
 
     def test_adding_twice_is_refused(self) -> None:
         sleeve.scene()

@@ -67,9 +67,7 @@ def add(obj: bpy.types.Object) -> bpy.types.NodesModifier:
     made = obj.modifiers.new(NAME, "NODES")
     made.node_group = new_tree(obj.name)
     _MAPPED.forget()
-    last = len(obj.modifiers) - 1
-    if place != last:
-        compat.move_modifier(obj, last, place)
+    modifier.move_new(made, place)
     return find(obj)
 
 

@@ -152,10 +152,17 @@ def add(obj: bpy.types.Object, method: str) -> bpy.types.NodesModifier:
     modifier.node_group = wrinkle_tree.ensure(method)
     modifier.show_in_editmode = False  # as Cloth, because posed folds would hide the vertices of the rest mesh
     _WRINKLED.forget()
-    last = len(obj.modifiers) - 1
-    if place != last:
-        compat.move_modifier(obj, last, place)
+    move_new(modifier, place)
     return find(obj)
+
+
+def move_new(new: bpy.types.Modifier, place: int) -> None:
+    """Move a modifier that was just added to its place. It is not always the last one: from 4.2 on, Blender adds in
+    front of modifiers that are pinned to the end, as Shade Auto Smooth pins its own."""
+    obj = new.id_data
+    made_at = list(obj.modifiers).index(new)
+    if made_at != place:
+        compat.move_modifier(obj, made_at, place)
 
 
 def output_object(modifier: bpy.types.NodesModifier) -> bpy.types.Object | None:
