@@ -14,7 +14,8 @@ from .. import compat, scheduler
 from ..nodes import field_profile, field_shader, wrinkle_tree
 from ..nodes.output_flags import Flag, set_flag
 from ..objects import (applied_transforms, bodies, clip_range, duplicates, evaluator, incoming_mesh, kept_lists,
-                       mesh_reader, messages, modifier, output_mesh, own_mesh_place, runtimes, units, viewport_mesh)
+                       mesh_reader, messages, modifier, output_mesh, own_mesh_place, rest_position, runtimes, units,
+                       viewport_mesh)
 from ..objects.runtimes import Runtime
 from . import clip_status, path_curves
 
@@ -74,6 +75,7 @@ def prepare(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier) -> bool:
     runtime.seen.groups = [group.name for group in obj.vertex_groups]
     with messages.build_errors(obj, runtime):
         changed = _prepare(obj, nodes_mod, runtime)
+        rest_position.carry(obj, nodes_mod)
         messages.set_build_error(runtime, runtime.bake_note)
         return changed
     return False

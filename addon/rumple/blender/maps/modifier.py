@@ -12,7 +12,6 @@ from typing import Iterator
 
 import bpy
 
-from .. import compat
 from ..nodes import maps_mask_tree
 from ..nodes.builder import empty_modifier_group
 from ..nodes.maps_mask_tree import BONES, COUNT, SKIN, WRINKLES, Shape

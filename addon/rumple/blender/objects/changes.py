@@ -9,7 +9,7 @@ from ...core.systems.all_systems import SYSTEMS
 from .. import compat, scheduler
 from ..nodes import field_profile, wrinkle_tree
 from ..scheduler import LOCK
-from . import bodies, guide_curves, incoming_mesh, made_collections, modifier, runtimes
+from . import bodies, guide_curves, incoming_mesh, made_collections, modifier, rest_position, runtimes
 
 
 def settings_changed(obj: bpy.types.Object, affects: str, structural: bool) -> None:
@@ -79,7 +79,7 @@ def note_updates(depsgraph: bpy.types.Depsgraph) -> None:
     if not touched:
         return
     with LOCK:
-        for obj, _ours in modifier.wrinkled_objects():
+        for obj, ours in modifier.wrinkled_objects():
             runtime = runtimes.known(obj)
             if runtime is None:
                 continue
@@ -89,6 +89,7 @@ def note_updates(depsgraph: bpy.types.Depsgraph) -> None:
             own = obj.rumple.own_mesh
             edited = compat.session_key(obj.data) in touched
             edited = edited or _restacked(obj, runtime, touched)
+            edited = edited or (compat.session_key(obj) in touched and rest_position.is_outdated(obj, ours))
             if edited or (own is not None and own.data is not None and compat.session_key(own.data) in touched):
                 runtime.stale = True
                 runtime.paint.forget()

@@ -2,8 +2,8 @@
 """Makes the output object: the hidden object with the fine mesh and all data that it inherits from the coarse one.
 
 Carried: materials and their slots, smooth shading, UV maps, colours and other attributes (points, corners, faces),
-vertex groups, seams, sharp edges, creases and bevel weights, Auto Smooth (3.4). Not carried: custom split normals (they
-belong to the coarse corners only), edge attributes, strings.
+vertex groups, seams, sharp edges, creases and bevel weights, Auto Smooth (3.4); "rest_position" by rest_position.py.
+Not carried: custom split normals (they belong to the coarse corners only), edge attributes, strings.
 """
 from __future__ import annotations
 
