@@ -197,13 +197,15 @@ def _tidy_removed(wrinkled: set[str]) -> None:
 
 
 def drop_orphan_outputs() -> None:
-    """Remove output and cache objects without an owner. The user map is used, because 5.2 still counts applied
-    modifiers as users."""
+    """Remove output and cache objects without an owner, also those that Blender has linked to a scene: Make Local does
+    so with objects that it left without users. The user map is used, because 5.2 still counts applied modifiers as
+    users."""
     hidden = (modifier.output_object, modifier.viewport_output, modifier.cache_object)
     in_use = {of(nodes_mod) for _, nodes_mod in modifier.wrinkled_objects() for of in hidden}
     candidates = {o for o in bpy.data.objects if output_mesh.KEY in o} - in_use
     if not candidates:
         return  # the user map visits the whole file
+    modifier.take_out_of_scenes(candidates)
     for candidate, users in bpy.data.user_map(subset=candidates).items():
         if not users:
             modifier.delete_hidden(candidate)

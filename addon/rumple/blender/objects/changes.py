@@ -9,7 +9,7 @@ from ...core.systems.all_systems import SYSTEMS
 from .. import compat, scheduler
 from ..nodes import field_profile, wrinkle_tree
 from ..scheduler import LOCK
-from . import bodies, guide_curves, incoming_mesh, made_collections, modifier, rest_position, runtimes
+from . import bodies, guide_curves, incoming_mesh, made_collections, modifier, output_mesh, rest_position, runtimes
 
 
 def settings_changed(obj: bpy.types.Object, affects: str, structural: bool) -> None:
@@ -75,6 +75,7 @@ def note_updates(depsgraph: bpy.types.Depsgraph) -> None:
         return
     _note_moved()
     _note_converted(depsgraph)
+    _note_shown_outputs(depsgraph)
     touched = _touched_ids(depsgraph)
     if not touched:
         return
@@ -117,6 +118,15 @@ def _note_converted(depsgraph: bpy.types.Depsgraph) -> None:
             if (obj.type == "MESH" and obj.rumple.method in SYSTEMS and modifier.find(obj) is None
                     and wrinkle_tree.BASE_POSITION in obj.data.attributes and compat.is_editable(obj)):
                 _converted = True
+                scheduler.request()
+
+
+def _note_shown_outputs(depsgraph: bpy.types.Depsgraph) -> None:
+    """Output objects are in no scene, but Blender may have linked one to it: see rebuild.drop_orphan_outputs()."""
+    for update in depsgraph.updates:
+        if isinstance(update.id, bpy.types.Object) and output_mesh.KEY in update.id:
+            output = update.id.original
+            if output.users_collection and compat.is_editable(output):
                 scheduler.request()
 
 
