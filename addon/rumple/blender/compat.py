@@ -6,7 +6,6 @@ No other file checks the version. Tested with 3.4.1, 4.3.2 and 5.2.2.
 from __future__ import annotations
 
 import math
-import os
 import threading
 from typing import Any, Iterable, Iterator
 
@@ -107,6 +106,12 @@ def set_modifier_input(modifier: bpy.types.NodesModifier, identifier: str, value
         modifier[identifier] = value
 
 
+def modifier_input_path(modifier: bpy.types.NodesModifier, identifier: str) -> str:
+    """Data path of an input of a nodes modifier, as in keys and drivers."""
+    ending = f".properties.inputs.{identifier}.value" if hasattr(modifier, "properties") else f'["{identifier}"]'
+    return modifier.path_from_id() + ending
+
+
 def move_modifier(obj: bpy.types.Object, source: int, target: int) -> None:
     """Move a modifier within the stack, by index."""
     if hasattr(obj.modifiers, "move"):
@@ -196,13 +201,6 @@ def find_curve(about: bpy.types.AnimData, path: str, index: int = 0) -> bpy.type
 # Options of a property for a folder that may begin with //. Blender needs them from 4.5 on.
 FOLDER_OPTIONS = ({"PATH_SUPPORTS_BLEND_RELATIVE"}
                   if "is_path_supports_blend_relative" in bpy.types.Property.bl_rna.properties else set())
-
-
-def blend_path(folder: str) -> str:
-    """A folder as an artist types it. A path that is neither absolute nor begins with // is also relative to the blend
-    file. ~ is the home folder."""
-    folder = os.path.expanduser(folder if os.name == "nt" else folder.replace("\\", "/"))
-    return folder if folder.startswith("//") or os.path.isabs(folder) else "//" + folder
 
 
 # ---------------------------------------------------------------- words

@@ -171,17 +171,23 @@ class GarmentReader:
     def _incoming(self) -> np.ndarray | None:
         """Coarse positions of this frame; None if the modifier is off or did not change the mesh."""
         runtime, count = self.runtime, self.runtime.evaluator.coarse_count
-        if runtime.refusal and len(incoming_mesh.of(self.obj).vertices) != count:
-            return None  # the current mesh was refused: the last valid result stays
+        is_refused = bool(runtime.refusal) and len(incoming_mesh.of(self.obj).vertices) != count
+        if is_refused and incoming_mesh.is_own(self.obj):
+            return None  # until the mesh is edited the last valid result stays
         if runtime.pose is not None and len(runtime.pose) == count:
             return runtime.pose
         positions = posed_coarse.positions(self.obj, count, self.depsgraph)
         if positions is None and modifier.is_on(self.nodes_mod, self.depsgraph):
             arriving, in_render = len(self.evaluated.data.vertices), self.depsgraph.mode == "RENDER"
+            if is_refused and arriving == runtime.seen.tried:
+                return None  # the modifiers above the wrinkles make what was refused
             if arriving or in_render or not self._evaluate_outputs():
                 self._follow_topology(arriving, in_render)
         else:
             runtime.seen.empty_at = None
+            if is_refused and positions is not None:  # the evaluator is for the mesh that arrives now
+                runtime.stale = True
+                scheduler.request()
         return positions
 
     def _evaluate_outputs(self) -> bool:

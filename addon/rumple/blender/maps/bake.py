@@ -19,7 +19,7 @@ from mathutils import Matrix
 from ...core.base.wording import UserError
 from .. import compat, scheduler, ui_base
 from ..nodes import maps_shader
-from ..objects import messages, properties, runtimes, units
+from ..objects import clip_place, messages, properties, runtimes, units
 from ..translation import said
 from . import (bake_apart, bake_meshes, bake_source, changes as maps_changes, export as maps_export, keys as maps_keys,
                operators as maps_operators, posed_rig, rig as maps_rig)
@@ -215,7 +215,7 @@ class MapBake:
             image.pack()
             return
         try:
-            folder = Path(bpy.path.abspath(compat.blend_path(self.folder)))
+            folder = Path(bpy.path.abspath(clip_place.blend_path(self.folder)))
             maps_export.save_image(image, folder, self.deep)
         except (OSError, RuntimeError) as error:
             image.pack()

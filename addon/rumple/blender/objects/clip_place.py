@@ -8,9 +8,15 @@ from pathlib import Path
 import bpy
 
 from ...core.files import clip_folder
-from .. import compat
 
 FOLDER = "//rumple"
+
+
+def blend_path(folder: str) -> str:
+    """A folder as an artist types it. A path that is neither absolute nor begins with // is also relative to the blend
+    file. ~ is the home folder."""
+    folder = os.path.expanduser(folder if os.name == "nt" else folder.replace("\\", "/"))
+    return folder if folder.startswith("//") or os.path.isabs(folder) else "//" + folder
 
 
 def until_saved(obj: bpy.types.Object) -> Path:
@@ -29,7 +35,7 @@ def _whole(path: str | Path) -> str:
 
 def of(obj: bpy.types.Object) -> Path | None:
     """The path of the clip. None if it should be beside the blend file, but this file was never saved."""
-    folder = compat.blend_path(obj.rumple.bake_folder or FOLDER)
+    folder = blend_path(obj.rumple.bake_folder or FOLDER)
     beside = folder.startswith("//")
     if beside and not bpy.data.filepath:
         return None

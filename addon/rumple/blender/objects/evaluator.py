@@ -22,6 +22,7 @@ from .runtimes import Runtime
 
 
 FEWEST = 6  # fine vertices / vertices of the coarse mesh, or of an own mesh, that are always allowed: one subdivision
+_REMOVE_FACES = frozenset(("BOOLEAN", "BUILD", "DECIMATE", "EXPLODE", "MASK", "REMESH", "WELD"))  # modifiers that may
 
 
 @dataclass
@@ -68,6 +69,10 @@ def _refuse_without_faces(obj: bpy.types.Object) -> None:
     if nodes:
         raise UserError(f"{obj.name}: the modifier \"{nodes[-1].name}\" above the wrinkles leaves no faces: add "
                         "Realize Instances at the end of its nodes")
+    removing = [m for m in front if m.type in _REMOVE_FACES]
+    if removing:
+        raise UserError(f"{obj.name}: the modifier \"{removing[-1].name}\" above the wrinkles leaves no faces: move it "
+                        "below the wrinkles")
 
 
 def ensure(obj: bpy.types.Object, runtime: Runtime, meanwhile: Callable[[], object] | None = None) -> None:

@@ -189,12 +189,13 @@ def stack_fingerprint(obj: bpy.types.Object) -> str:
     for m in modifier.in_front(obj):
         if modifier.deforms(m):
             continue
-        path = f'modifiers["{m.name}"]'
+        path = m.path_from_id()
         values = {name: _plain(getattr(m, name)) for name in m.bl_rna.properties.keys()
                   if f"{path}.{name}" not in animated and name not in ("execution_time", "is_active")}
         if m.type == "NODES" and m.node_group is not None:
             values.update({key: _plain(compat.modifier_input(m, key)) for key in
-                           compat.group_sockets(m.node_group, "INPUT").values() if f'{path}["{key}"]' not in animated})
+                           compat.group_sockets(m.node_group, "INPUT").values()
+                           if compat.modifier_input_path(m, key) not in animated})
         rows.append(sorted(values.items()))
     return repr(rows)
 
