@@ -105,6 +105,18 @@ class Carrying(unittest.TestCase):
         np.testing.assert_array_equal(values["panel"][:, 0], fine.polygon_parent)
         self.assertTrue(values["all"].all())
 
+    @unittest.skipUnless("FLOAT4X4" in bpy.types.Attribute.bl_rna.properties["data_type"].enum_items, "new in 4.2")
+    def test_matrices(self) -> None:
+        """Nodes that turn what they scatter read them. They were dropped, as this type was not known."""
+        obj = sleeve.scene(wrinkles=False)
+        mesh, turn = obj.data, np.arange(16, dtype=np.float32)
+        for domain, count in (("POINT", len(mesh.vertices)), ("CORNER", len(mesh.loops)), ("FACE", len(mesh.polygons))):
+            compat.write_attribute(mesh, domain.lower(), "FLOAT4X4", domain, np.tile(turn, (count, 1)))
+        bpy.ops.object.rumple_add(method="MESH")
+        for domain in ("point", "corner", "face"):
+            values = compat.read_attribute(sleeve.output_object(obj).data.attributes[domain])
+            np.testing.assert_allclose(values, np.tile(turn, (len(values), 1)), atol=1e-5)
+
     def test_edge_marks_lie_on_their_coarse_edges(self) -> None:
         obj = sleeve.scene(wrinkles=False)
         mesh = obj.data

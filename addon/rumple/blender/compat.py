@@ -32,6 +32,7 @@ ATTRIBUTE_LAYOUT: dict[str, tuple[str, int, type]] = {
     "INT16_2D": ("value", 2, np.int32),
     "INT32_2D": ("value", 2, np.int32),
     "QUATERNION": ("value", 4, np.float32),
+    "FLOAT4X4": ("value", 16, np.float32),
 }
 
 # Blender's own attributes. They are rebuilt or carried in other ways.
