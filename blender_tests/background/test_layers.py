@@ -26,8 +26,11 @@ class Follower:
 
     def setUp(self) -> None:
         self.sleeve = sleeve.scene()
-        self.cuff = sleeve.cuff(self.sleeve, self.follow, "Cuff")
+        self.cuff = self.follower("Cuff")
         scheduler.sync_all()
+
+    def follower(self, name: str) -> bpy.types.Object:
+        return sleeve.cuff(self.sleeve, self.follow, name)
 
     def pose(self) -> np.ndarray:
         """The coarse cuff as the second pass has it."""
@@ -78,7 +81,7 @@ class Follower:
         self.settled(6)
         seen = self.settled(7)
         self.sleeve = sleeve.scene()
-        self.cuff = sleeve.cuff(self.sleeve, self.follow, "Zzz")
+        self.cuff = self.follower("Zzz")
         scheduler.sync_all()
         self.settled(6)
         np.testing.assert_array_equal(self.settled(7), seen)

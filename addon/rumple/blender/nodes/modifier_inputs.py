@@ -2,7 +2,7 @@
 """Access to modifier inputs by their names in the node group."""
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, Iterator
 
 import bpy
 
@@ -27,6 +27,16 @@ def values(nodes_mod: bpy.types.NodesModifier) -> list[Any]:
         return []
     return [compat.modifier_input(nodes_mod, identifier)
             for identifier in compat.group_sockets(nodes_mod.node_group, "INPUT").values()]
+
+
+def objects_read(nodes_mod: bpy.types.NodesModifier) -> Iterator[bpy.types.Object]:
+    """The objects that its inputs name, also by a collection. Not those that are set inside the node group: this is
+    called in every frame, and a simulation has thousands of nodes."""
+    for value in values(nodes_mod):
+        if isinstance(value, bpy.types.Object):
+            yield value
+        elif isinstance(value, bpy.types.Collection):
+            yield from value.all_objects
 
 
 def set_input(nodes_mod: bpy.types.NodesModifier, name: str, value: object) -> None:

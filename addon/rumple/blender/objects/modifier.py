@@ -10,7 +10,7 @@ from ...core.files.clip_manifest import Manifest
 from ...core.systems.all_systems import SYSTEMS, System
 from .. import compat, scheduler
 from ..nodes import wrinkle_tree
-from ..nodes.modifier_inputs import get_input, get_object, set_input, set_relations
+from ..nodes.modifier_inputs import get_input, get_object, objects_read, set_input, set_relations
 from ..nodes.output_flags import Flag, change_flag, is_set
 from .kept_lists import ModifiedObjects
 
@@ -97,14 +97,21 @@ def deforming_and_behind(obj: bpy.types.Object) -> list[bpy.types.Modifier]:
 
 
 def depends_on(obj: bpy.types.Object, others: list[bpy.types.Object]) -> bpy.types.Object | None:
-    """The first of the others that a modifier in front of the wrinkles depends on (Shrinkwrap, Surface Deform, ...)."""
-    for modifier in obj.modifiers:
+    """The first of the others that a modifier in front of the wrinkles depends on: Shrinkwrap, Surface Deform, nodes
+    with such an input, ..."""
+    for modifier in obj.modifiers if others else ():
         if wrinkle_tree.is_ours(getattr(modifier, "node_group", None)):
             return None
-        for target in (getattr(modifier, name, None) for name in ("target", "object")):
+        for target in _read_by(modifier):
             if target is not None and target in others:
                 return target
     return None
+
+
+def _read_by(modifier: bpy.types.Modifier) -> Iterator[bpy.types.Object | None]:
+    yield from (getattr(modifier, name, None) for name in ("target", "object"))
+    if modifier.type == "NODES":
+        yield from objects_read(modifier)
 
 
 def depends_on_wrinkled(obj: bpy.types.Object) -> bpy.types.Object | None:
