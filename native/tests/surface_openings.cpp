@@ -88,6 +88,17 @@ TEST(SewnOn, APocketOverAndAShirtFrontUnderAnotherPartAreIfNothingHoldsThem) {
     EXPECT_EQ(sewn_on(cape, pocket, {0.78f, 0.4f, 0.01f}), std::pair(0, 0)) << "a third of it is over it";
 }
 
+TEST(SewnOn, OnAShirtItIsPinnedAndOnACapeThatHangsItIsNot) {
+    MeshData shirt = tube(16, 8, 0.2f, 0.5f);
+    for (Vec3& p : shirt.positions) p = {p.z, p.x, p.y};
+    const MeshData pocket = grid(2, 2, 0.03f);
+    for (const auto& [garment, at, weight] : {std::tuple(shirt, Vec3(-0.03f, 0.2f, 0.21f), 1.0f),
+                                              {grid(8, 8, 0.1f), Vec3(0.3f, 0.4f, 0.01f), 0.0f}}) {
+        const std::vector<float> follow = held(with_part(garment, pocket, at));
+        for (size_t v = garment.positions.size(); v < follow.size(); ++v) EXPECT_EQ(follow[v], weight);
+    }
+}
+
 TEST(SewnOn, WhatHasAnOpeningHoldsItself) {  // a shirt under a jacket
     MeshData shirt = tube(16, 8, 0.2f, 0.5f), jacket = tube(16, 8, 0.21f, 0.5f);
     for (MeshData* mesh : {&shirt, &jacket})

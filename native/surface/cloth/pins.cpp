@@ -149,7 +149,12 @@ std::vector<bool> sewn_on(const Surface& surface, const Borders& borders, std::s
 }  // namespace
 
 std::vector<float> suggest_follow(const Surface& surface, const Vec3& up) {
-    const std::vector<float> held = find_held(surface, Borders(surface, up), up);
+    const Borders borders(surface, up);
+    std::vector<float> held = find_held(surface, borders, up);
+    const std::vector<bool> sewn = sewn_on(surface, borders, held);
+    if (!find_sheet(borders))
+        for (size_t v = 0; v < held.size(); ++v)
+            if (borders.part[v] != kNone && sewn[size_t(borders.part[v])]) held[v] = 1.0f;
     std::vector<float> out;
     for (const Index welded : surface.welded_of) out.push_back(held[welded]);
     return out;

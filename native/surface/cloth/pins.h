@@ -13,7 +13,8 @@ namespace rumple {
 // cuff at the wrist completely, a short sleeve a little, a leg of trousers hardly). Wide ones are free (a
 // hem). For a sheet (a cape, a scarf) the upper end of the outline is pinned, for a garment without a border
 // (trousers of games with closed ends) its upper end. The value fades out over a part of the garment's size.
-// Each connected part is treated separately.
+// Each connected part is treated separately. On a garment that is worn, not a sheet, what is sewn on is
+// pinned as a whole.
 //   up: unit, object space at rest.
 // Cost: O(edges log edges).
 std::vector<float> suggest_follow(const Surface& surface, const Vec3& up);
