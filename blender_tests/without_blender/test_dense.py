@@ -221,8 +221,16 @@ class LongEdges(unittest.TestCase):
         base = sleeve(7, 6)
         mesh = WrinkleMesh.build(base, settings_of(base))
         height = base.positions[:, 2] / LENGTH
-        carried = mesh.coarse.paint(height)
+        carried = mesh._where_solved(height)
         np.testing.assert_allclose(np.unique(carried.round(5)), np.linspace(0.0, 1.0, 13), atol=1e-5)
+
+    def test_directions_are_those_of_the_nearest_vertex(self) -> None:
+        """v and -v are the same direction: their mean is none."""
+        base = sleeve(7, 6)
+        mesh = WrinkleMesh.build(base, settings_of(base))
+        turned = np.zeros((len(base.positions), 3), np.float32)
+        turned[:, 0] = np.resize((1.0, -1.0), len(turned))
+        np.testing.assert_array_equal(np.abs(mesh._where_solved(turned)[:, 0]), 1.0)
 
 
 class SewnOn(unittest.TestCase):
