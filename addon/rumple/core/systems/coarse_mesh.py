@@ -60,7 +60,7 @@ def coarse_mesh(base: BaseMesh, settings: MeshSettings, surface: Any, unit_scale
 
 def _without_sewn_on(cloth: BaseMesh, surface: Any, settings: MeshSettings) -> Any:
     """The native surface of the parts that no other part holds. What is sewn on them, as a pocket is, moves along."""
-    sewn = kernels.sewn_on(surface, direction_of(settings.up), len(cloth.polygon_start) - 1)
+    sewn = kernels.sewn_on(surface, tuple(direction_of(settings.up)), len(cloth.polygon_start) - 1)
     try:
         return cloth.only(~sewn).surface(settings.weld) if sewn.any() else surface
     except UserError:
