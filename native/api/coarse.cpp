@@ -26,7 +26,9 @@ rumple_status rumple_coarse_build(const rumple_surface* base, float spacing, rum
 rumple_status rumple_coarse_build_of(const rumple_surface* base, const rumple_surface* part, float spacing,
                                      rumple_coarse** coarse) {
     return made(coarse, "coarse", [&] {
-        return new rumple_coarse{build_coarse(part_of(base, part), spacing), base->shared};
+        const Surface& from = part_of(base, part);
+        return new rumple_coarse{of_whole_base(*build_coarse(from, spacing), from, base->surface),
+                                 base->shared};
     });
 }
 
@@ -35,7 +37,8 @@ rumple_status rumple_coarse_as_modelled(const rumple_surface* base, const rumple
     return made(coarse, "coarse", [&] {
         const Surface& from = part_of(base, part);
         const bool is_whole = from.display.polygons() == base->surface.display.polygons();
-        return new rumple_coarse{build_as_modelled(from, least_edge, most_edge, !is_whole), base->shared};
+        const auto made = build_as_modelled(from, least_edge, most_edge, !is_whole);
+        return new rumple_coarse{of_whole_base(*made, from, base->surface), base->shared};
     });
 }
 

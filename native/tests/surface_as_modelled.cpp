@@ -323,6 +323,21 @@ TEST(AsModelled, APartOfAMeshMayBeSolvedAsItIs) {
     EXPECT_EQ(coarse->surface.welded.corner_vertex, surface.welded.corner_vertex);
 }
 
+// A part may join vertices that the whole mesh does not: there faces overlap at the seam. Its rows were read
+// as of the whole mesh's vertices, and cloth was metres away.
+TEST(AsModelled, APartThatIsJoinedOtherwiseThanTheWholeMeshStaysWhereItIs) {
+    MeshData mesh;  // two squares, the vertices between them twice
+    mesh.positions = {{0, 0, 0}, {1, 0, 0}, {1, 0, 0}, {1, 1, 0}, {1, 1, 0}, {0, 1, 0}, {2, 0, 0}, {2, 1, 0}};
+    mesh.add_polygon({0, 1, 3, 5});
+    mesh.add_polygon({2, 6, 7, 4});
+    const Surface part = build(mesh, true), base = build(mesh, false);
+    ASSERT_NE(part.welded.vertex_count, base.welded.vertex_count);
+    const auto of_part = build_as_modelled(part, 0.25f, 0.6f);
+    const auto whole = of_whole_base(*of_part, part, base);
+    EXPECT_EQ(coarse_positions(*whole, base, mesh.positions),
+              coarse_positions(*of_part, part, mesh.positions));
+}
+
 TEST(AsModelled, ASubdividedMeshHasTheSmoothSurfaceOfTheBase) {
     const MeshData mesh = tube(12, 9, 0.08f, 0.4f);
     const Surface surface = build(mesh);

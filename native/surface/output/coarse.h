@@ -39,6 +39,11 @@ std::shared_ptr<const CoarseMesh> build_coarse(const Surface& base, float spacin
 std::shared_ptr<const CoarseMesh> build_as_modelled(const Surface& base, float least_edge, float most_edge,
                                                     bool may_be_base = false);
 
+// A coarse mesh that was built of a part of the base, for the whole base. part: a surface with some polygons
+// and all vertices of the base. The base may join vertices that the part does not, and the other way round.
+std::shared_ptr<const CoarseMesh> of_whole_base(const CoarseMesh& of_part, const Surface& part,
+                                                const Surface& base);
+
 // Computes positions of the coarse vertices, such that the smooth surface of the coarse mesh passes through
 // the base mesh. positions: of the base mesh's vertices, object space. Throws InvalidInput if positions do
 // not match or are not finite.

@@ -74,6 +74,13 @@ void take_cage(std::span<const Vec3> rest, const PolygonMesh& polygons, CoarseMe
     out.mean_edge = mean_edge(out.surface);
 }
 
+std::shared_ptr<const CoarseMesh> of_whole_base(const CoarseMesh& of_part, const Surface& part,
+                                                const Surface& base) {
+    auto out = std::make_shared<CoarseMesh>(of_part);
+    for (Index& welded : out->from_base.index) welded = base.welded_of[part.representative[welded]];
+    return out;
+}
+
 std::vector<Vec3> coarse_positions(const CoarseMesh& coarse, const Surface& base,
                                    std::span<const Vec3> positions) {
     check_frame(base, positions);  // needed also without coarse vertices
