@@ -113,8 +113,8 @@ RUMPLE_API rumple_status rumple_surface_outer_side(const rumple_surface* surface
                                                    size_t outer_count, float* thickness);
 
 // Suggests how firmly every vertex follows the animation, 0 (free) to 1 (pinned). It is derived from the open
-// borders at rest: collars, waistbands, cuffs. up: unit, object space. follow: (n), written. Cost: O(edges
-// log edges).
+// borders at rest: collars, waistbands, cuffs. Parts that are sewn on (below) are pinned, but not on a sheet
+// (a cape). up: unit, object space. follow: (n), written. Cost: O(edges log edges).
 RUMPLE_API rumple_status rumple_surface_suggest_follow(const rumple_surface* surface, const float up[3],
                                                        float* follow, size_t follow_count);
 

@@ -13,10 +13,9 @@ namespace rumple {
 
 // Built once at rest, then immutable.
 struct CoarseMesh {
-    Surface surface;       // its smooth (limit) surface passes through that of the base mesh
-    SparseRows from_base;  // where the smooth surface passes <- welded vertices of the base mesh
-    SparseRows
-        paint_from_base;  // values that are painted <- vertices of the base mesh, as the artist has them
+    Surface surface;                 // its smooth (limit) surface passes through that of the base mesh
+    SparseRows from_base;            // where the smooth surface passes <- welded vertices of the base mesh
+    SparseRows paint_from_base;      // painted values <- vertices of the base mesh, as the artist has them
     std::vector<Index> base_vertex;  // per vertex of `surface`: that of the base mesh, as the artist has it,
                                      // that is nearest to it along the edges
     float mean_edge = 0.0f;          // object units

@@ -8,8 +8,7 @@
 
 namespace rumple {
 
-// A coarse mesh has at most so many corners of polygons, and is chosen among the vertices of a subdivided
-// base with at most so many: about 0.4 s.
+// What a base is subdivided to has at most so many corners of polygons: about 0.4 s.
 inline constexpr Index kMostCorners = 400'000;
 
 // A subdivision of polygons whose vertices are those of the base mesh.
