@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Wrinkle Layers, and their transfer to a dense mesh.
+// Wrinkle Layers, and their transfer to the base mesh.
 #include "damage.h"
 #include "world.h"
 
@@ -140,7 +140,7 @@ void activate(World& world, Bytes& bytes) {
     restore(world, bytes);
 }
 
-// All steps: a dense mesh, a coarse mesh over it, and layers on the coarse mesh.
+// All steps: a base mesh, a coarse mesh in its place, and layers on the coarse mesh.
 void build_transfer(World& world, Bytes& bytes) {
     const auto dense = world.surfaces.pick(bytes);
     if (dense.handle && bytes.byte() < 200)

@@ -174,7 +174,7 @@ def build_wrinkle_transfer(base: Surface, coarse: CoarseMesh, layers: WrinkleMes
 
 def show_wrinkle_transfer(transfer: WrinkleTransfer, animated: np.ndarray, state: WrinkleLayersState,
                           in_viewport: bool = False) -> ShownFrame:
-    """The ShownFrame of a solved frame. animated: (n, 3) float32 of the animated dense mesh, without base cloth. state:
+    """The ShownFrame of a solved frame. animated: (n, 3) float32 of the animated base mesh, without base cloth. state:
     of the layers. in_viewport: for transfer.shown_in_viewport. Raises ValueError."""
     return ShownFrame.made(lib.rumple_wrinkle_transfer_show, transfer, *given(animated, "animated", FLOAT, 3), state,
                            in_viewport)

@@ -57,8 +57,8 @@ class ByHand:
     def add_to(self, result: FrameResult, mesh: ShownMesh, base: np.ndarray, over: np.ndarray,
                heights: tuple[str, ...]) -> None:
         """Change the result of one frame. mesh: the mesh of the result. base: the positions that it is embedded in.
-        over: the same positions on the base cloth, or those that represent a dense base. heights: names of the
-        attributes that contain the height of folds."""
+        over: the same positions on the base cloth, or those of the coarse mesh in place of the base. heights: names of
+        the attributes that contain the height of folds."""
         if self.smooth is not None or self.guides is not None:
             self._fold(result, mesh.shown, base, heights)
         if self.rigid is not None:

@@ -109,7 +109,7 @@ class PaintedRigid:
     def add_to(self, result: FrameResult, mesh: ShownMesh, animated: np.ndarray, over: np.ndarray,
                heights: tuple[str, ...]) -> None:
         """Apply it to a result. mesh: of the result, without its rigid parts. animated: (n, 3) of the base, object
-        space. over: the same on the base cloth, or the mesh that represents a dense base. heights: names of the
+        space. over: the same on the base cloth, or the coarse mesh in place of the base. heights: names of the
         attributes that contain the height of folds."""
         on = self._on_shown(mesh)
         corner = animated[on.corners]

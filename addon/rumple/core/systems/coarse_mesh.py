@@ -34,7 +34,7 @@ def coarse_mesh(base: BaseMesh, settings: MeshSettings, surface: Any, unit_scale
                 outer: OuterSide | None = None) -> Any:
     """The native mesh that is solved in place of a base: as it was modelled, if its edges are too short for wide folds,
     or it has triangles; subdivided, if they are too long; or else an even one, if they are too short, or of the outer
-    side of a base with an inner side. None: the base itself."""
+    side of a base with an inner side. Without parts that are sewn on others. None: the base itself."""
     size = size_of(base, unit_scale)
     by_wavelength, cloth = settings.density == "WAVELENGTH", base if outer is None else outer.mesh
     wide = by_wavelength and (settings.wavelength >= WIDE * size or is_flared(cloth, direction_of(settings.up)))
