@@ -54,6 +54,13 @@ OTHER_SLEEVE = quad_mesh("Other", tube(24, 8, 0.05, 0.15).positions - (0.0, 0.0,
 WALL = AROUND * (ROWS - 4)  # quads of the sleeve without its caps
 
 
+def leg(z: float) -> BaseMesh:
+    """Of leggings: as the arm, but with a third opening, so that it has not the shape of skin."""
+    quads = arm(z).corner_vertex.reshape(12, 20, 4)
+    return quad_mesh("Leg", arm(z).positions, np.concatenate([quads[:5].reshape(-1, 4), quads[5:7, 6:].reshape(-1, 4),
+                                                             quads[7:].reshape(-1, 4)]))
+
+
 def split(*meshes: BaseMesh) -> tuple[int, RigidParts | None]:
     """How many polygons of cloth they have in one mesh, and what is none."""
     cloth = without_rigid_parts(together(*meshes).healed(True), True)
@@ -80,6 +87,22 @@ class WhatIsCloth(unittest.TestCase):
     def test_one_end_is_not_enough(self) -> None:
         """A helmet is closed and has a neck in it."""
         self.assertEqual(split(SLEEVE, HAND)[1], None)
+
+    def test_one_of_the_ends_may_be_cloth(self) -> None:
+        """A long shirt in which leggings end and the neck of a head was skin, and the leggings came through it."""
+        polygons, rigid = split(SLEEVE, HAND, leg(-0.13), OTHER_SLEEVE)
+        assert rigid is not None
+        self.assertEqual(polygons, WALL + sum(len(of.polygon_start) - 1 for of in (leg(-0.13), OTHER_SLEEVE)))
+        self.assertIn("Parts that are skin and stay as they are animated: 1", rigid.lines())
+
+    def test_ends_of_cloth_alone_are_not_enough(self) -> None:
+        """Sloppily modelled clothes dip into a body. So the closed sleeve is not cloth."""
+        dressed_hand = [quad_mesh(of.name, of.positions + (0.3, 0.0, 0.0), of.corner_vertex.reshape(-1, 4))
+                        for of in (tube(24, 8, 0.05, 0.3), HAND)]
+        cloth = [leg(-0.13), leg(0.27), dressed_hand[0]]
+        polygons, rigid = split(SLEEVE, *cloth, dressed_hand[1])
+        assert rigid is not None
+        self.assertEqual(polygons, sum(len(of.polygon_start) - 1 for of in cloth))
 
     def test_caps_are_hidden_in_a_body(self) -> None:
         """The same lids with nothing in them are cloth: a part of the garment that is seen."""

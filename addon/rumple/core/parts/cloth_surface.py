@@ -70,7 +70,7 @@ def without_rigid_parts(base: BaseMesh, weld: bool, small: bool = True) -> BaseM
     if not chosen.any():
         return base
     is_rigid = chosen[part_of_polygon]
-    caps = capped_parts.find_caps(base, parts, places, kinds.garments & ~chosen, kinds.limbs | kinds.capped)
+    caps = capped_parts.find_caps(base, parts, places, kinds.garments & ~chosen, kinds.limbs | kinds.garments)
     for doubled in base.own_origin().copies:  # the same for caps
         caps[np.isin(caps, caps[doubled.lies_on])] = 0
     if caps.any():  # caps become parts of their own, which move with the cloth

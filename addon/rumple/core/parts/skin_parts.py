@@ -25,7 +25,7 @@ OF_BORDER = 12  # largest number of vertices of a border that are tested
 OF_PARTS, LEAST_OF_PART, MOST_OF_PART = 20_000, 4, 64
 MOST_PARTS = 64  # how many parts are tested for skin, the largest ones
 WHOLE = 0.75  # least diagonal / the mesh's of skin without an opening: a smaller closed part is a bag
-# of a garment with caps: least diagonal / the mesh's; borders of other parts that end in it
+# of a garment with caps: least diagonal / the mesh's; borders of other parts that end in it, at least one of skin
 CAPPED, ENDS_IN_IT = 0.3, 2
 BALL = 0.075  # largest volume / area^1.5 of it: a head has 0.08 and more, the trunk of a toy 0.062, trousers 0.05
 
@@ -58,9 +58,11 @@ def find_skin(base: BaseMesh, found: MeasuredParts, part: np.ndarray, small: np.
         return Kinds.none(len(small))
     asked = bodily & ((openings > 0) | (found.diagonal >= WHOLE * whole))
     asked[np.argsort(np.where(asked, -found.area, 0.0), kind="stable")[MOST_PARTS:]] = False
-    ends = [(number, sample_of(border, OF_BORDER)) for number in np.flatnonzero(asked).tolist()
+    ends = [(number, sample_of(border, OF_BORDER)) for number in np.flatnonzero(asked | wide).tolist()
             for border in found.openings[number]]
-    capped[capped] = ends_in(base, ends, part, np.flatnonzero(capped)).sum(axis=0) >= ENDS_IN_IT
+    is_skin = asked[[number for number, _border in ends]]
+    within = ends_in(base, ends, part, np.flatnonzero(capped))
+    capped[capped] = (within.sum(axis=0) >= ENDS_IN_IT) & within[is_skin].any(axis=0)
     skin = _ends_under(base, found.openings, asked & ~capped, samples_of(part, counts), NEAR * whole)
     garment = (wide & ~skin) | capped
     if not garment.any() or not found.area[skin].sum() > LEAST_AREA * found.area.sum():
