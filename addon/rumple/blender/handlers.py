@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import functools
-import time
 from typing import Any, Callable
 
 import bpy
@@ -122,20 +121,13 @@ def _on_undo(*_arguments: object) -> None:
     scheduler.request()
 
 
-def _let_timers_work() -> None:
-    """Wait, in the thread of an F12 job, until the window's timers have done the rebuilds after recent edits. They are
-    not allowed to work after the render has begun."""
-    ends = time.monotonic() + _PATIENCE
-    while scheduler.work_is_due() and time.monotonic() < ends:
-        time.sleep(scheduler.POLL)
-
-
 @_handler
 def _on_render_start(*_arguments: object) -> None:
     # A script may have made changes since the last update, and the timer has not run since. The thread of an F12 job
-    # must not rebuild, because the window draws at the same time. The lock waits for a timer that is still working.
+    # must not rebuild, because the window draws at the same time: it waits until the window's timers have done it, and
+    # they are not allowed to after the render has begun. The lock waits for a timer that is still working.
     if not scheduler.in_main_thread():
-        _let_timers_work()
+        scheduler.wait_for_work(_PATIENCE)
     with scheduler.LOCK:
         try:
             if scheduler.in_main_thread():

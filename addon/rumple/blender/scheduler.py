@@ -18,6 +18,7 @@ import bpy
 # Handlers run in the render job's thread while the window's thread draws. Only one thread may work at a time. A handler
 # must wait for the lock, because skipping would lose a frame.
 LOCK = threading.RLock()
+_WORK_DONE = threading.Condition(LOCK)
 POLL = 0.05  # seconds between two checks of building threads
 LOOK = 0.5  # seconds between two checks for work left by job threads
 JOB = 1.0  # seconds after the last frame of an export until its job counts as finished
@@ -158,9 +159,11 @@ def _on_timer() -> float | None:
     with LOCK:  # a render job that starts now waits for the end of this work
         if job_runs():
             return 0.5
-        if _waits_for_mouse and _is_mouse_held():
-            return POLL
+        # Only between builds: until Python 3.12, an operator that is called in an override of the context, as this test
+        # does, breaks Python's memory if another thread uses Python at that moment.
         if not running_builds():
+            if _waits_for_mouse and _is_mouse_held():
+                return POLL
             with thread_builds_allowed():
                 sync_all()
         if not _builds:
@@ -202,12 +205,20 @@ def sync_all() -> None:
     with LOCK:
         for worker in _workers:
             worker()
+        _WORK_DONE.notify_all()
 
 
 def work_is_due() -> bool:
     """Whether the timer has work to do. It waits for the end of running work."""
     with LOCK:
         return _wanted or bool(_builds)
+
+
+def wait_for_work(seconds: float) -> None:
+    """Wait, in the thread of a job, until the timers of the window have done the requested work, for at most this time.
+    The thread sleeps, because it must not use Python while the timers call operators: see _on_timer()."""
+    with LOCK:
+        _WORK_DONE.wait_for(lambda: not work_is_due(), seconds)
 
 
 def may_build_in_thread() -> bool:
@@ -227,8 +238,10 @@ def running_builds() -> list[Build]:
 
 def remove_build(build: Build) -> None:
     """Do not wait for this thread any more."""
-    if build in _builds:
-        _builds.remove(build)
+    with LOCK:
+        if build in _builds:
+            _builds.remove(build)
+        _WORK_DONE.notify_all()
 
 
 def set_progress_callback(function: Callable[[], None]) -> None:
