@@ -35,12 +35,11 @@ inline float exp(float x) {
 inline float atan2(float y, float x) {
     return float(atan2(double(y), double(x)));
 }
-// The value of std::floor (0 for -0), which is a call of a function on processors without SSE 4.1.
-inline float floor(float x) {
+// Halves to the even one; never -0. std::nearbyint is a call of a function on processors without SSE 4.1.
+inline float nearest_integer(float x) {
     constexpr float kIntegersFrom = 0x1p23f;  // floats of this size have no fraction
     if (!(std::abs(x) < kIntegersFrom)) return x;
-    const float truncated = float(int(x));
-    return truncated > x ? truncated - 1.0f : truncated;
+    return x < 0.0f ? (x - kIntegersFrom) + kIntegersFrom : (x + kIntegersFrom) - kIntegersFrom;
 }
 inline float hypot(float x, float y) {
     return float(hypot(double(x), double(y)));

@@ -18,7 +18,7 @@ using REAL = float;
 using BOOL = bool;
 // Lookup finds these before GLM's functions, which are the system's.
 using elementary::cos;
-using elementary::floor;
+using elementary::nearest_integer;
 using elementary::sin;
 
 #include "shared/pn_triangle.glsl"

@@ -4,6 +4,8 @@
 // function here computes in the order of GLM's.
 #pragma once
 
+#include <limits>
+
 #include "base/formulas.h"
 #include "base/lanes.h"
 
@@ -67,14 +69,20 @@ inline Lanes max(const Lanes& x, float y) {
 inline Lanes clamp(const Lanes& x, float low, float high) {
     return min(max(x, low), high);
 }
-// As elementary::floor(). The branch is faster than a choice: hardly any x is so large.
-inline Lanes floor(const Lanes& x) {
-    const Lanes truncated = whole_part(x);
-    const Lanes below = truncated - (truncated > x ? all_lanes(1.0f) : Lanes{});
-    const LaneMask has_fraction = abs(x) < 0x1p23f;
-    if (bits_of(~has_fraction) == 0) [[likely]]
-        return below;
-    return has_fraction ? below : x;
+// As elementary::nearest_integer().
+inline Lanes nearest_integer(const Lanes& x) {
+#if defined(__aarch64__)
+    return (Lanes)vrndnq_f32((float32x4_t)x) + 0.0f;  // 0 for -0
+#else
+#if defined(__SSE2__)
+    const auto nearest = (LaneMask)_mm_cvtps_epi32((__m128)x);
+    const LaneMask is_too_large = nearest == std::numeric_limits<std::int32_t>::min();
+    if (bits_of(is_too_large) == 0) [[likely]]  // faster than a choice
+        return __builtin_convertvector(nearest, Lanes);
+#endif
+    return Lanes{elementary::nearest_integer(x[0]), elementary::nearest_integer(x[1]),
+                 elementary::nearest_integer(x[2]), elementary::nearest_integer(x[3])};
+#endif
 }
 
 inline Lanes length(const vec2& v) {

@@ -77,19 +77,20 @@ TEST(Elementary, AtTheirEdges) {
     }
 }
 
-TEST(Elementary, FloorIsThatOfTheSystem) {
+TEST(Elementary, NearestIntegerIsThatOfTheSystem) {
     Numbers numbers;
     for (int i = 0; i < 100000; ++i) {
         const float exponent = float(numbers.between(-3.0, 40.0)), sign = i % 2 ? 1.0f : -1.0f;
         const float x = sign * std::exp2(exponent);
-        EXPECT_EQ(elementary::floor(x), std::floor(x)) << x;
-        EXPECT_EQ(elementary::floor(std::round(x)), std::round(x)) << x;
+        EXPECT_EQ(elementary::nearest_integer(x), std::nearbyint(x)) << x;
+        EXPECT_EQ(elementary::nearest_integer(std::round(x)), std::round(x)) << x;
     }
     const float infinite = std::numeric_limits<float>::infinity();
-    for (const float x : {0.0f, -0.0f, 1.0f, -1.0f, 0.99999994f, -0.99999994f, 0x1p-149f, -0x1p-149f, 0x1p23f,
-                          -0x1p23f, 8388607.5f, -8388607.5f, infinite, -infinite})
-        EXPECT_EQ(elementary::floor(x), std::floor(x)) << x;
-    EXPECT_TRUE(std::isnan(elementary::floor(std::numeric_limits<float>::quiet_NaN())));
+    for (const float x :
+         {0.0f, -0.0f, 1.0f, -1.0f, 0.5f, -0.5f, 1.5f, -2.5f, 0.49999997f, 0.99999994f, -0.99999994f,
+          0x1p-149f, -0x1p-149f, 0x1p23f, -0x1p23f, 8388607.5f, -8388607.5f, infinite, -infinite})
+        EXPECT_EQ(elementary::nearest_integer(x), std::nearbyint(x)) << x;
+    EXPECT_TRUE(std::isnan(elementary::nearest_integer(std::numeric_limits<float>::quiet_NaN())));
 }
 
 // What is written here is what every compiler on every system must get.

@@ -46,11 +46,11 @@ void for_many(Check&& check) {
     for (int i = 0; i < 2000; ++i) check(arguments);
 }
 
-TEST(WrinkleFieldLanes, FloorIsThatOfFloats) {
+TEST(WrinkleFieldLanes, NearestIntegerIsThatOfFloats) {
     const float inf = std::numeric_limits<float>::infinity();
     const auto same = [](const Lanes& x) {
-        const Lanes found = four::floor(x);
-        for (int k = 0; k < kLanes; ++k) expect_same_bits(found[k], elementary::floor(x[k]));
+        const Lanes found = four::nearest_integer(x);
+        for (int k = 0; k < kLanes; ++k) expect_same_bits(found[k], elementary::nearest_integer(x[k]));
     };
     same(Lanes{0.0f, -0.0f, 0.49999997f, -1e-30f});
     same(Lanes{0x1p23f, -0x1p23f - 1.0f, 1.5f, -1.5f});

@@ -3,6 +3,7 @@
 // Meshes on the GPU, Eurographics 2006; equation numbers are the paper's.
 // One text for C++ (native/base/formulas.h; lane_formulas.h for four vertices at a time) and GLSL (the viewport
 // preview). For four vertices REAL is four floats, so formulas choose between two values instead of branching.
+// nearest_integer() is elementary.h's, and GLSL's round().
 // Needs tangents.glsl.
 
 const float kTwoPi = 6.28318530717958648f;
@@ -119,8 +120,8 @@ FORMULA WaveEstimate estimate_wave(mat2 m, vec2 q, vec2 before, vec2 turn, float
 // relative to W/4, its largest value.
 FORMULA REAL attenuation(REAL fullness) { return clamp(4.0f * fullness - 0.2f, 0.0f, 1.0f); }
 
-// x - floor(x + 1/2): the difference from the nearest integer, in [-1/2, 1/2).
-FORMULA REAL to_nearest(REAL x) { return x - floor(x + 0.5f); }
+// The difference from the nearest integer, in [-1/2, 1/2].
+FORMULA REAL to_nearest(REAL x) { return x - nearest_integer(x); }
 
 // The relation of the phases of two neighbours, half-way between them:
 // psi_n - psi_0 = flip phi_n - phi_0 + offset.

@@ -21,4 +21,5 @@ def text(name: str) -> str:
 
 def source(*names: str) -> str:
     """These files one after the other, the formulas ready for GLSL."""
-    return "#define FORMULA\n#define REAL float\n#define BOOL bool\n" + "\n".join(text(name) for name in names)
+    words = "#define FORMULA\n#define REAL float\n#define BOOL bool\n#define nearest_integer round\n"
+    return words + "\n".join(text(name) for name in names)
