@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Section 5 of Loviscach 2006: "Relax". Section 4 is in waves.cpp.
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <complex>
+#include <cstring>
 #include <limits>
 #include <utility>
 
@@ -29,16 +31,28 @@ struct Activity {
 // The share is 0 if the links to the waves around a vertex are the same as in its last relaxation, so that a
 // standing leg does not change when the arm moves. Updates solved_offset for relaxed links.
 Activity activity(const Model& model, const Pulls& pulls, std::span<float> solved_offset) {
+    const NeighbourColumns& columns = model.columns;
+    const auto last = static_cast<Index>(solved_offset.size()) - 1;
     Activity out(model, 0.0f);
-    for (size_t v = 0; v < out.share.size(); ++v) {
-        pulls.for_each_of(v, [&](Index i, float weight, const formulas::Link& link) {
-            if (weight <= 0.0f) return;
-            const float act = formulas::activity(link.offset - solved_offset[i]);
-            out.share[v] = std::max(out.share[v], act);
-            if (act > 0.0f) solved_offset[i] = link.offset;
-            if (act != 0.0f) out.any[v / kLanes] = true;  // also if it is not a number
-        });
-    }
+    for_each_four(out.share.size(), [&](size_t first, auto how_many) {
+        const size_t four = first / kLanes;
+        LaneMask place{};  // of the column's neighbours among all; beyond `last` only missing ones
+        std::memcpy(&place, &model.neighbour_start[first], how_many * sizeof(Index));
+        Lanes share{};
+        LaneMask any{};
+        for (Index c = columns.start[four]; c < columns.start[four + 1]; ++c, place += 1) {
+            const Pull& pull = pulls[c];
+            const auto neighbour = std::bit_cast<LaneIndices>(place < last ? place : last);
+            const Lanes change = pull.link.offset - gathered(solved_offset, neighbour);
+            const Lanes act = pull.weight > 0.0f ? lane_formulas::activity(change) : 0.0f;
+            share = most(share, act);
+            any |= act != 0.0f;  // also if it is not a number
+            for (int lane = 0; lane < kLanes; ++lane)
+                if (act[lane] > 0.0f) solved_offset[neighbour[lane]] = pull.link.offset[lane];
+        }
+        store_lanes(share, &out.share[first], how_many);
+        out.any[four] = bits_of(any) != 0;
+    });
     return out;
 }
 
@@ -49,36 +63,31 @@ std::vector<float> offsets(const Model& model, const Pulls& pulls) {
     return offset;
 }
 
-// Weighted squares of phase errors.
-struct Squares {
-    double sum = 0.0;
-    double weights = 0.0;
-};
+// Phase errors of a column of neighbours, in turns.
+Lanes misfits(const NeighbourColumns& columns, const Pulls& pulls, Index column, const Lanes& own,
+              std::span<const float> phase) {
+    return lane_formulas::misfit(pulls[column].link, own, gathered(phase, columns.vertex[column]));
+}
 
 float misfit_of(const Model& model, const Waves& waves, const Pulls& pulls, std::span<const float> phase) {
     const NeighbourColumns& columns = model.columns;
-    std::vector<Lanes> errors;  // of a column each
-    Squares all;
+    double squares = 0.0, weights = 0.0;
     for_each_four(phase.size(), [&](size_t first, auto how_many) {
         const size_t four = first / kLanes;
-        const Index begin = columns.start[four], end = columns.start[four + 1];
         const Lanes own = load_lanes(&phase[first], how_many);
-        errors.resize(std::max(errors.size(), size_t(end - begin)));
-        for (Index c = begin; c < end; ++c)
-            errors[c - begin] = lane_formulas::misfit(pulls[c].link, own, gathered(phase, columns.vertex[c]));
-        Squares squares = all;  // the sums of a local copy stay in registers
-        for (size_t lane = 0; lane < how_many; ++lane) {
-            const double attenuation = formulas::attenuation(waves.fullness[first + lane]);
-            const auto neighbours = static_cast<Index>(columns.count[four][lane]);
-            for (Index k = 0; k < neighbours; ++k) {
-                const double error = errors[k][lane], weight = attenuation * pulls[begin + k].weight[lane];
-                squares.sum += weight * error * error;
-                squares.weights += weight;
-            }
+        Lanes sum{}, weight{};
+        for (Index c = columns.start[four]; c < columns.start[four + 1]; ++c) {
+            const Lanes error = misfits(columns, pulls, c, own, phase);
+            sum += pulls[c].weight * error * error;
+            weight += pulls[c].weight;
         }
-        all = squares;
+        const Lanes attenuation = lane_formulas::attenuation(load_lanes(&waves.fullness[first], how_many));
+        for (int lane = 0; lane < kLanes; ++lane) {
+            squares += double(attenuation[lane] * sum[lane]);
+            weights += double(attenuation[lane] * weight[lane]);
+        }
     });
-    return all.weights > 0.0 ? static_cast<float>(std::sqrt(all.sum / all.weights)) : 0.0f;
+    return weights > 0.0 ? static_cast<float>(std::sqrt(squares / weights)) : 0.0f;
 }
 
 // Runs `rounds` rounds of step(begin, end, from, to), from one buffer into another, for vertices from a
@@ -146,26 +155,41 @@ void align_phases(const Model& model, const Settings& settings, const Pulls& pul
     }
 }
 
+// Vertices whose sums are computed before their phases. Both are chains of operations that wait for one
+// another; a processor overlaps more of them if they are short.
+constexpr size_t kBlock = 256;
+
 void relax_phases(const Model& model, const Settings& settings, const Pulls& pulls, const Activity& active,
                   int rounds, std::vector<float>& phase) {
     const NeighbourColumns& columns = model.columns;
-    const auto relaxed = [&](size_t first, auto how_many, const std::vector<float>& from) {
+    const auto sum_of_misfits = [&](size_t first, auto how_many, std::span<const float> from) {
         const size_t four = first / kLanes;
         const Lanes own = load_lanes(&from[first], how_many);
-        if (!active.any[four]) return own;
         Lanes sum{};
+        if (!active.any[four]) return sum;
         for (Index c = columns.start[four]; c < columns.start[four + 1]; ++c) {
-            const Pull& pull = pulls[c];
-            const Lanes misfit = lane_formulas::misfit(pull.link, own, gathered(from, columns.vertex[c]));
-            sum += pull.weight > 0.0f ? pull.weight * misfit : 0.0f;
+            const Lanes weight = pulls[c].weight;
+            sum += weight > 0.0f ? weight * misfits(columns, pulls, c, own, from) : 0.0f;
         }
-        const Lanes rate = settings.rate * load_lanes(&active.share[first], how_many);
-        return lane_formulas::relaxed(own, sum, columns.count[four], rate);
+        return sum;
     };
-    ping_pong(settings, rounds, phase, [&](size_t begin, size_t end, const auto& from, auto& to) {
-        for_each_four(end - begin, [&](size_t first, auto how_many) {
-            store_lanes(relaxed(begin + first, how_many, from), &to[begin + first], how_many);
-        });
+    const auto relaxed = [&](size_t first, auto how_many, std::span<const float> from, const Lanes& sum) {
+        const Lanes own = load_lanes(&from[first], how_many);
+        const Lanes rate = settings.rate * load_lanes(&active.share[first], how_many);
+        return lane_formulas::relaxed(own, sum, columns.count[first / kLanes], rate);
+    };
+    ping_pong(settings, rounds, phase, [&](size_t begin, size_t end, std::span<const float> from, auto& to) {
+        std::array<Lanes, kBlock / kLanes> sums;
+        for (; begin < end; begin += kBlock) {
+            const size_t count = std::min(end - begin, kBlock);
+            for_each_four(count, [&](size_t k, auto how_many) {
+                sums[k / kLanes] = sum_of_misfits(begin + k, how_many, from);
+            });
+            for_each_four(count, [&](size_t k, auto how_many) {
+                const Lanes phases = relaxed(begin + k, how_many, from, sums[k / kLanes]);
+                store_lanes(phases, &to[begin + k], how_many);
+            });
+        }
     });
 }
 
