@@ -252,6 +252,11 @@ std::array<Index, 3> display_vertices(const Surface& surface, Index triangle) {
 void weld_positions(const Surface& surface, std::span<const Vec3> display, std::span<Vec3> welded) {
     assert(display.size() == surface.welded_of.size());
     assert(welded.size() == surface.representative.size());
+    if (welded.size() == display.size()) {  // nothing is joined
+        for (std::size_t w = 0; w < welded.size(); ++w)
+            welded[w] = display[surface.representative[w]] + 0.0f;  // 0 for -0, as the mean of two
+        return;
+    }
     // In double precision, so that the mean of equal positions is exactly this position.
     std::vector<glm::dvec3> sum(welded.size(), glm::dvec3(0.0));
     std::vector<Index> count(welded.size(), 0);

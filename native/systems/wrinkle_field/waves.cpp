@@ -181,17 +181,16 @@ WaveParameters wave_parameters(const Model& model, const Settings& settings, con
     check_paint(model, paint);
     WaveParameters out{welded_values(model.base, paint.wavelength, 1.0f),
                        welded_values(model.base, paint.mask, 1.0f),
-                       {},
-                       {}};
-    const std::vector<Vec3> painted = welded_values(model.base, paint.rest_wrinkle, Vec3(0.0f));
-    out.rest_wrinkle.resize(painted.size());
-    out.turn.resize(painted.size());
-    for_each_vertex(settings, painted.size(), [&](size_t v) {
+                       std::vector<Vec2>(model.tangent_rest.size(), Vec2(0.0f)),
+                       std::vector<Vec2>(model.tangent_rest.size())};
+    for_each_vertex(settings, out.turn.size(), [&](size_t v) {
         const Disturbance disturbance = disturb(settings, model.base.positions_rest[v]);
         out.wavelength[v] *= settings.wavelength * disturbance.wavelength;
         out.turn[v] = disturbance.turn;
-        out.rest_wrinkle[v] = in_rest_frame(model, v, painted[v]);
     });
+    if (paint.rest_wrinkle.empty()) return out;
+    const std::vector<Vec3> painted = welded_values(model.base, paint.rest_wrinkle, Vec3(0.0f));
+    for (size_t v = 0; v < painted.size(); ++v) out.rest_wrinkle[v] = in_rest_frame(model, v, painted[v]);
     return out;
 }
 
