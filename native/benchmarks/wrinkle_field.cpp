@@ -63,12 +63,13 @@ void relax_step(benchmark::State& bench) {
 }
 
 // A frame of a clip: estimate and ten rounds from the state of the frame before. The pose alternates between
-// two. The second one shears, which turns the waves, so that no vertex is asleep.
-void solve_ten_rounds(benchmark::State& bench) {
+// two. The second one shears, which turns the waves, so that no vertex is asleep; or the pose is held, so
+// that all are.
+void solve_ten_rounds(benchmark::State& bench, float shear) {
     Scene scene(Index(bench.range(0)), Index(bench.range(1)), int(bench.range(2)));
     scene.settings.rounds = 10;
     std::vector<Vec3> poses[2] = {scene.pose, scene.pose};
-    for (Vec3& p : poses[1]) p.x += 0.2f * p.y;
+    for (Vec3& p : poses[1]) p.x += shear * p.y;
     State state = scene.solve(scene.pose);
     size_t frame = 0;
     for (auto _ : bench) {
@@ -76,6 +77,13 @@ void solve_ten_rounds(benchmark::State& bench) {
         benchmark::DoNotOptimize(state.phase.data());
     }
     report(bench, scene);
+}
+
+void solve_moved(benchmark::State& bench) {
+    solve_ten_rounds(bench, 0.2f);
+}
+void solve_held(benchmark::State& bench) {
+    solve_ten_rounds(bench, 0.0f);
 }
 
 // As in the add-on, with keep_length and dissolve: only the field, or also the fine mesh.
@@ -131,7 +139,8 @@ BENCHMARK(estimate_step)->Name("WrinkleField/EstimateWaves/OneThread")->Apply(on
 BENCHMARK(estimate_step)->Name("WrinkleField/EstimateWaves/AllThreads")->Apply(all_threads);
 BENCHMARK(relax_step)->Name("WrinkleField/RelaxOneRound/OneThread")->Apply(one_thread);
 BENCHMARK(relax_step)->Name("WrinkleField/RelaxOneRound/AllThreads")->Apply(all_threads);
-BENCHMARK(solve_ten_rounds)->Name("WrinkleField/SolveTenRounds/OneThread")->Apply(one_thread);
+BENCHMARK(solve_moved)->Name("WrinkleField/SolveTenRounds/OneThread")->Apply(one_thread);
+BENCHMARK(solve_held)->Name("WrinkleField/SolveHeldPose/OneThread")->Apply(one_thread);
 BENCHMARK(keep_length_step)->Name("WrinkleField/KeepLength/OneThread")->Apply(one_thread);
 BENCHMARK(shown_waves_frame)->Name("WrinkleField/ShownWaves/OneThread")->Apply(fine_mesh);
 BENCHMARK(show_geometry)->Name("WrinkleField/ShowGeometry/OneThread")->Apply(fine_mesh);

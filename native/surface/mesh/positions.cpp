@@ -4,18 +4,21 @@
 #include <algorithm>
 
 #include "base/expect.h"
+#include "base/lanes.h"
 #include "base/tolerances.h"
 
 namespace rumple {
 namespace {
 
+// 0 without positions. They are finite.
 float largest_coordinate(std::span<const Vec3> positions) {
-    float largest = 0.0f;
-    for (const Vec3& p : positions) {
-        const Vec3 size = glm::abs(p);
-        largest = std::max({largest, size.x, size.y, size.z});
-    }
-    return largest;
+    const auto* coordinates = reinterpret_cast<const float*>(positions.data());
+    Lanes largest{};
+    for_each_four(3 * positions.size(), [&](size_t first, auto how_many) {
+        const Lanes four = load_lanes(coordinates + first, how_many);
+        largest = most(most(largest, four), -four);
+    });
+    return std::max({largest[0], largest[1], largest[2], largest[3]});
 }
 
 // Without a branch, so that a compiler can vectorise it. Also of what is not finite.

@@ -6,6 +6,7 @@
 #include <complex>
 #include <cstring>
 #include <limits>
+#include <numeric>
 #include <utility>
 
 #include "base/elementary.h"
@@ -21,20 +22,26 @@ namespace {
 
 // The part that vertices take in a round.
 struct Activity {
-    std::vector<float> share;  // per vertex
-    std::vector<char> any;     // per four vertices: false if none of them can move
-
-    Activity(const Model& model, float all)
-        : share(model.base.positions_rest.size(), all), any(model.columns.count.size(), all > 0.0f) {}
+    std::vector<Lanes> share;  // per four vertices
+    std::vector<Index> fours;  // those of which a vertex may move
 };
+
+// All vertices take all of it.
+Activity all_active(const Model& model) {
+    Activity out{std::vector(model.columns.count.size(), all_lanes(1.0f)),
+                 std::vector<Index>(model.columns.count.size())};
+    std::iota(out.fours.begin(), out.fours.end(), 0);
+    return out;
+}
 
 // The share is 0 if the links to the waves around a vertex are the same as in its last relaxation, so that a
 // standing leg does not change when the arm moves. Updates solved_offset for relaxed links.
 Activity activity(const Model& model, const Pulls& pulls, std::span<float> solved_offset) {
     const NeighbourColumns& columns = model.columns;
     const auto last = static_cast<Index>(solved_offset.size()) - 1;
-    Activity out(model, 0.0f);
-    for_each_four(out.share.size(), [&](size_t first, auto how_many) {
+    Activity out;
+    out.share.reserve(columns.count.size());
+    for_each_four(model.tangent_rest.size(), [&](size_t first, auto how_many) {
         const size_t four = first / kLanes;
         LaneMask place{};  // of the column's neighbours among all; beyond `last` only missing ones
         std::memcpy(&place, &model.neighbour_start[first], how_many * sizeof(Index));
@@ -50,8 +57,8 @@ Activity activity(const Model& model, const Pulls& pulls, std::span<float> solve
             for (int lane = 0; lane < kLanes; ++lane)
                 if (act[lane] > 0.0f) solved_offset[neighbour[lane]] = pull.link.offset[lane];
         }
-        store_lanes(share, &out.share[first], how_many);
-        out.any[four] = bits_of(any) != 0;
+        out.share.push_back(share);
+        if (bits_of(any) != 0) out.fours.push_back(static_cast<Index>(four));
     });
     return out;
 }
@@ -71,7 +78,8 @@ Lanes misfits(const NeighbourColumns& columns, const Pulls& pulls, Index column,
 
 float misfit_of(const Model& model, const Waves& waves, const Pulls& pulls, std::span<const float> phase) {
     const NeighbourColumns& columns = model.columns;
-    double squares = 0.0, weights = 0.0;
+    using Doubles = double __attribute__((vector_size(32)));
+    Doubles squares{}, weights{};
     for_each_four(phase.size(), [&](size_t first, auto how_many) {
         const size_t four = first / kLanes;
         const Lanes own = load_lanes(&phase[first], how_many);
@@ -82,40 +90,47 @@ float misfit_of(const Model& model, const Waves& waves, const Pulls& pulls, std:
             weight += pulls[c].weight;
         }
         const Lanes attenuation = lane_formulas::attenuation(load_lanes(&waves.fullness[first], how_many));
-        for (int lane = 0; lane < kLanes; ++lane) {
-            squares += double(attenuation[lane] * sum[lane]);
-            weights += double(attenuation[lane] * weight[lane]);
-        }
+        squares += __builtin_convertvector(attenuation * sum, Doubles);
+        weights += __builtin_convertvector(attenuation * weight, Doubles);
     });
-    return weights > 0.0 ? static_cast<float>(std::sqrt(squares / weights)) : 0.0f;
+    const auto total = [](const Doubles& of) { return of[0] + of[1] + of[2] + of[3]; };
+    return total(weights) > 0.0 ? static_cast<float>(std::sqrt(total(squares) / total(weights))) : 0.0f;
 }
 
-// Runs `rounds` rounds of step(begin, end, from, to), from one buffer into another, for vertices from a
-// multiple of four on.
+// Runs `rounds` rounds of step(begin, end, from, to), from one buffer into another, for parts of the items.
+// Values that no item changes stay.
 template <typename T, typename Step>
-void ping_pong(const Settings& settings, int rounds, std::vector<T>& values, Step&& step) {
-    std::vector<T> buffers[2] = {std::move(values), {}};
-    const size_t vertices = buffers[0].size(), fours = in_fours(vertices) / kLanes;
-    buffers[1].resize(vertices);
-    Team team(threads_for(settings, vertices));
+void ping_pong(const Settings& settings, int rounds, size_t items, std::vector<T>& values, Step&& step) {
+    std::vector<T> buffers[2] = {values, std::move(values)};
+    Team team(threads_for(settings, buffers[0].size()));
     team.run([&](int thread) {
-        const Team::Range part = team.partition(0, fours, thread);
+        const Team::Range part = team.partition(0, items, thread);
         for (int round = 0; round < rounds; ++round) {
-            step(kLanes * part.begin, std::min(kLanes * part.end, vertices),
-                 std::as_const(buffers[round % 2]), buffers[1 - round % 2]);
+            step(part.begin, part.end, std::as_const(buffers[round % 2]), buffers[1 - round % 2]);
             team.barrier();
         }
     });
     values = std::move(buffers[rounds % 2]);
 }
 
+// Counts the vertices with and without a wave.
+void count_waves(const Waves& waves, Report& report) {
+    Index wrinkled = 0, collapsed = 0;
+    for (const float fullness : waves.fullness) wrinkled += formulas::attenuation(fullness) > 0.0f;
+    for (const float r : waves.compression) collapsed += r < formulas::kCollapsed;
+    report.wrinkled = wrinkled;
+    report.collapsed = collapsed;
+}
+
 float largest_change(const Waves& waves, std::span<const float> before, std::span<const float> after) {
-    float largest = 0.0f;
-    for (size_t v = 0; v < after.size(); ++v) {
-        if (formulas::attenuation(waves.fullness[v]) <= 0.0f) continue;
-        largest = std::max(largest, std::abs(formulas::wrapped(after[v] - before[v])));
-    }
-    return largest;
+    Lanes largest{};
+    for_each_four(after.size(), [&](size_t first, auto how_many) {
+        const auto four = [&](const auto& values) { return load_lanes(&values[first], how_many); };
+        const Lanes change = lane_formulas::abs(lane_formulas::wrapped(four(after) - four(before)));
+        const LaneMask has_wave = lane_formulas::attenuation(four(waves.fullness)) > 0.0f;
+        largest = most(largest, has_wave ? change : 0.0f);
+    });
+    return std::max({largest[0], largest[1], largest[2], largest[3]});
 }
 
 void align_phases(const Model& model, const Settings& settings, const Pulls& pulls, int rounds,
@@ -145,9 +160,10 @@ void align_phases(const Model& model, const Settings& settings, const Pulls& pul
         }
         return sum / weights;
     };
-    ping_pong(settings, rounds, waves_at, [&](size_t begin, size_t end, const auto& from, auto& to) {
-        for (size_t v = begin; v < end; ++v) to[v] = mean(v, from);
-    });
+    ping_pong(settings, rounds, waves_at.size(), waves_at,
+              [&](size_t begin, size_t end, const auto& from, auto& to) {
+                  for (size_t v = begin; v < end; ++v) to[v] = mean(v, from);
+              });
     for (size_t v = 0; v < phase.size(); ++v) {
         const Complex& wave = waves_at[v];
         if (wave != Complex())
@@ -155,42 +171,37 @@ void align_phases(const Model& model, const Settings& settings, const Pulls& pul
     }
 }
 
-// Vertices whose sums are computed before their phases. Both are chains of operations that wait for one
-// another; a processor overlaps more of them if they are short.
-constexpr size_t kBlock = 256;
+// Fours whose sums are computed before their phases. Both are chains of operations that wait for one another;
+// a processor overlaps more of them if they are short.
+constexpr size_t kBlock = 64;
 
 void relax_phases(const Model& model, const Settings& settings, const Pulls& pulls, const Activity& active,
                   int rounds, std::vector<float>& phase) {
     const NeighbourColumns& columns = model.columns;
-    const auto sum_of_misfits = [&](size_t first, auto how_many, std::span<const float> from) {
-        const size_t four = first / kLanes;
-        const Lanes own = load_lanes(&from[first], how_many);
+    const auto sum_of_misfits = [&](Index four, std::span<const float> from) {
+        const Lanes own = load_lanes(&from[kLanes * size_t(four)]);
         Lanes sum{};
-        if (!active.any[four]) return sum;
-        for (Index c = columns.start[four]; c < columns.start[four + 1]; ++c) {
-            const Lanes weight = pulls[c].weight;
-            sum += weight > 0.0f ? weight * misfits(columns, pulls, c, own, from) : 0.0f;
-        }
+        for (Index c = columns.start[four]; c < columns.start[four + 1]; ++c)
+            sum += pulls[c].weight * misfits(columns, pulls, c, own, from);
         return sum;
     };
-    const auto relaxed = [&](size_t first, auto how_many, std::span<const float> from, const Lanes& sum) {
-        const Lanes own = load_lanes(&from[first], how_many);
-        const Lanes rate = settings.rate * load_lanes(&active.share[first], how_many);
-        return lane_formulas::relaxed(own, sum, columns.count[first / kLanes], rate);
+    const auto relaxed = [&](Index four, std::span<const float> from, const Lanes& sum) {
+        const Lanes own = load_lanes(&from[kLanes * size_t(four)]);
+        return lane_formulas::relaxed(own, sum, columns.count[four], settings.rate * active.share[four]);
     };
-    ping_pong(settings, rounds, phase, [&](size_t begin, size_t end, std::span<const float> from, auto& to) {
-        std::array<Lanes, kBlock / kLanes> sums;
-        for (; begin < end; begin += kBlock) {
-            const size_t count = std::min(end - begin, kBlock);
-            for_each_four(count, [&](size_t k, auto how_many) {
-                sums[k / kLanes] = sum_of_misfits(begin + k, how_many, from);
-            });
-            for_each_four(count, [&](size_t k, auto how_many) {
-                const Lanes phases = relaxed(begin + k, how_many, from, sums[k / kLanes]);
-                store_lanes(phases, &to[begin + k], how_many);
-            });
-        }
-    });
+    std::vector<float> phases(in_fours(phase.size()));
+    std::copy(phase.begin(), phase.end(), phases.begin());
+    ping_pong(settings, rounds, active.fours.size(), phases,
+              [&](size_t begin, size_t end, std::span<const float> from, std::vector<float>& to) {
+                  std::array<Lanes, kBlock> sum;
+                  for (; begin < end; begin += kBlock) {
+                      const std::span<const Index> fours(&active.fours[begin], std::min(end - begin, kBlock));
+                      for (size_t k = 0; k < fours.size(); ++k) sum[k] = sum_of_misfits(fours[k], from);
+                      for (size_t k = 0; k < fours.size(); ++k)
+                          store_lanes(relaxed(fours[k], from, sum[k]), &to[kLanes * size_t(fours[k])]);
+                  }
+              });
+    std::copy_n(phases.begin(), phase.size(), phase.begin());
 }
 
 }  // namespace
@@ -216,7 +227,7 @@ void align(const Model& model, const Settings& settings, const Waves& waves, int
 void relax(const Model& model, const Settings& settings, const Waves& waves, int rounds,
            std::vector<float>& phase) {
     const Pulls pulls(model, settings, waves);
-    relax_phases(model, settings, pulls, Activity(model, 1.0f), rounds, phase);
+    relax_phases(model, settings, pulls, all_active(model), rounds, phase);
 }
 
 float misfit(const Model& model, const Waves& waves, std::span<const float> phase) {
@@ -276,13 +287,11 @@ State solve(const Model& model, const Settings& settings, const Paint& paint, co
         after.solved_offset = offsets(model, pulls);
         report.misfit_before = misfit_of(model, waves, pulls, after.phase);
         if (settings.aligned_start) align_phases(model, settings, pulls, settings.start_rounds, after.phase);
-        relax_phases(model, settings, pulls, Activity(model, 1.0f), settings.start_rounds, after.phase);
+        relax_phases(model, settings, pulls, all_active(model), settings.start_rounds, after.phase);
     }
-    report.misfit_after = misfit_of(model, waves, pulls, after.phase);
-    for (size_t v = 0; v < after.phase.size(); ++v) {
-        report.wrinkled += formulas::attenuation(waves.fullness[v]) > 0.0f;
-        report.collapsed += waves.compression[v] < formulas::kCollapsed;
-    }
+    const bool moved = !state || after.phase != state->phase;
+    report.misfit_after = moved ? misfit_of(model, waves, pulls, after.phase) : report.misfit_before;
+    count_waves(waves, report);
     if (estimated) *estimated = std::move(waves);
     return after;
 }
