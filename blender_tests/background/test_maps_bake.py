@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 import json
+import math
 import os
 import tempfile
 import time
@@ -238,6 +239,15 @@ class Bake(unittest.TestCase):
             bpy.ops.rumple.maps_bake()
         self.assertIsNone(self.settings.poses[0].image)
 
+    def test_what_the_first_click_refuses_is_said_of_the_object(self) -> None:
+        """It was an exception that nobody caught, about a copy that the artist has never seen."""
+        self.obj.data.uv_layers[0].data[0].uv = (math.nan, 0.0)
+        with self.assertRaises(RuntimeError) as raised:
+            bpy.ops.rumple.maps_bake()
+        self.assertEqual(str(raised.exception).strip(), "Error: Face: the UV map has no valid place at corner 0: unwrap "
+                                                        "the mesh there again")
+        self.assertIsNone(self.settings.poses[0].image)
+
 
 class Worn(unittest.TestCase):
     """A garment: its copy is worn over a body and over another garment, too."""
@@ -331,6 +341,23 @@ class Export(face.TwoPoses, unittest.TestCase):
     def test_where_nothing_can_be_written_it_is_said(self) -> None:
         with self.assertRaisesRegex(RuntimeError, "not_there"):
             bpy.ops.rumple.maps_export(filepath="/not_there/face.json")
+
+    def test_a_map_of_tiles_is_refused_by_name(self) -> None:
+        """Blender saves such an image as several files, and raised an exception that nobody caught."""
+        tiles = bpy.data.images.new("Tiles", 8, 8, tiled=True)
+        with tempfile.TemporaryDirectory() as folder:
+            self.settings.poses[1].image = tiles
+            with self.assertRaisesRegex(RuntimeError, "Face: the wrinkle map Tiles of pose Anger has tiles") as raised:
+                bpy.ops.rumple.maps_export(filepath=os.path.join(folder, "face.json"))
+            self.assertNotIn("Traceback", str(raised.exception))
+            self.settings.poses[1].image = None
+            self.obj.material_slots[0].material = maps_renders.material("Pores", tiles)
+            bpy.ops.rumple.maps_show()
+            with self.assertRaisesRegex(RuntimeError, "Face: the neutral map Tiles has tiles"):
+                bpy.ops.rumple.maps_export(filepath=os.path.join(folder, "face.json"))
+            self.assertEqual(os.listdir(folder), [])
+            bpy.ops.rumple.maps_export(filepath=os.path.join(folder, "face.json"), images=False)
+            self.assertEqual(os.listdir(folder), ["face.json"])
 
     def test_a_name_with_a_dot_keeps_all_of_it(self) -> None:
         """face.v2 was written as face.json, over that of the first version."""

@@ -107,6 +107,17 @@ class Wrong(face.TwoPoses, unittest.TestCase):
         self.assertFalse(face.mask(self.obj, "Surprise").any())     # the new mesh has no weights
         self.assertIn("have no skin weight", face.notes(self.obj))
 
+    def test_without_a_vertex_it_says_nothing_of_arrays_and_goes_on_when_there_are_some(self) -> None:
+        """'unexpected ValueError in poses.py: cannot reshape array of size 0 into shape (0)'."""
+        former = self.obj.data
+        self.obj.data = bpy.data.meshes.new("Nothing")
+        self.settle()
+        self.assertNotIn("unexpected", self.obj.rumple_maps.message + face.notes(self.obj))
+        self.obj.data = former
+        self.settle()
+        face.pose(self.rig, brow_L=0.01)
+        self.assertTrue(face.mask(self.obj, "Surprise").any())
+
     def test_without_an_armature_it_cannot_be_added(self) -> None:
         bpy.ops.rumple.maps_remove()
         self.obj.modifiers.remove(self.obj.modifiers["Armature"])

@@ -129,8 +129,9 @@ class MapBake:
                 compat.shade_smooth(mesh)
                 mesh.update()
             if "rumple_offset" not in high.data.attributes:
-                raise UserError(runtimes.message(wrinkled) or f"{self.obj.name}: its wrinkles do not show in this "
-                                "pose: change the pose, or choose another source")
+                raise UserError(self._of_copy(wrinkled, runtimes.message(wrinkled))
+                                or f"{self.obj.name}: its wrinkles do not show in this pose: change the pose, or choose "
+                                "another source")
             offsets = compat.read_attribute(high.data.attributes["rumple_offset"])
             yield low, high, float(np.percentile(np.sqrt((offsets * offsets).sum(1)), HIGH_FOLDS))
 
@@ -141,10 +142,10 @@ class MapBake:
                                 bake_source.skin_settings(self.obj, self.context.scene, method))
         copy.rumple.method = "NONE"  # else rumple_add() takes a captured rest shape for a trace of a former modifier
         with self.context.temp_override(object=copy, active_object=copy, selected_objects=[copy]):
-            result = bpy.ops.object.rumple_add(method=method, shade=False)
-        if result != {"FINISHED"}:
-            raise UserError(runtimes.message(copy) or f"{self.obj.name}: the wrinkles cannot be made: add them "
-                            "by hand, and see what they say")
+            try:
+                bpy.ops.object.rumple_add(method=method, shade=False)
+            except RuntimeError as error:  # what it reports as an error
+                raise UserError(self._of_copy(copy, str(error).removeprefix("Error: ").strip())) from error
         settings = properties.group_of(copy)
         settings.stateless = True  # a single pose without frames before it
         if method == "FIELD":
@@ -155,6 +156,10 @@ class MapBake:
         for _ in range(2):  # the first update solves, the second one shows the result
             copy.update_tag()
             self.context.view_layer.update()
+
+    def _of_copy(self, copy: bpy.types.Object, text: str) -> str:
+        """A message about a copy of the object, with the name of the object that the artist knows."""
+        return text.replace(copy.name, self.obj.name)
 
     def _frozen(self, copy: bpy.types.Object, ended: ExitStack) -> bpy.types.Object:
         """A copy without modifiers, scaled to metres, because the baker's lengths are in the units of its own scene and

@@ -285,7 +285,7 @@ class PoseComparison:
         owner = np.concatenate([np.arange(len(counts)), np.repeat(np.arange(len(counts)), further)]).astype(np.int32)
         more = [np.where(further > d, first_further + d, -1) for d in range(further.max(initial=0))]
         table = WeightTable(np.zeros((len(owner), ROW), np.int32), np.zeros((len(owner), ROW), np.float32), owner,
-                            np.array(more, np.int32).reshape(-1, len(counts)))
+                            np.array(more, np.int32).reshape(len(more), len(counts)))
         table.bone[row, place % ROW], table.weight[row, place % ROW] = bone, weight
         return table
 
