@@ -103,6 +103,7 @@ def _on_save(*_arguments: object) -> None:
 @_handler
 def _after_save(*_arguments: object) -> None:
     disk_frames.on_save()
+    clip_status.on_save()
 
 
 @_handler

@@ -11,7 +11,7 @@ import bpy
 from ...core.files import clip_file
 from ...core.files.clip_manifest import ClipFault, Manifest
 from ...core.settings.system_settings import SystemSettings
-from .. import compat
+from .. import compat, scheduler
 from ..objects import (bodies, clip_place, evaluator, incoming_mesh, mesh_reader, messages, modifier, posed_coarse,
                        point_caches, properties, runtimes, stack_notes, units)
 from ..objects.runtimes import Runtime
@@ -239,6 +239,16 @@ def check(obj: bpy.types.Object, output_object: bpy.types.Object) -> str:
     if not any(is_baked_from(about.inputs, obj, scene) for scene in obj.users_scene or (units.scene_of(obj),)):
         return f"{obj.name}: meshes, settings, frame rate, paint or bodies changed since the bake: bake again to see it"
     return ""
+
+
+def on_save() -> None:
+    """Called after the file was saved. A clip that was baked before is in a folder that Blender deletes, and nothing
+    that follows would let it be checked before that."""
+    for obj, nodes_mod in modifier.wrinkled_objects():
+        clip = clip_path(obj) if modifier.is_baked(nodes_mod) else None
+        if clip is not None and clip_place.is_temporary(clip):
+            runtimes.of(obj).stale = True
+            scheduler.request()
 
 
 # ---------------------------------------------------------------- frames
