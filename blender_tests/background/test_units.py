@@ -66,6 +66,32 @@ class Scale(unittest.TestCase):
         sleeve.play()
         self.assertIs(runtimes.of(self.obj).evaluator, evaluator)
 
+    def test_what_pops_up_has_the_scale_of_the_next_key(self) -> None:
+        """Of a scale that is keyed from zero, lengths in metres had no meaning: there were no wrinkles in any frame."""
+        self.keyed(0.0, 2.0)
+        sleeve.play()
+        self.assertEqual(self.obj.rumple.message, "")
+        self.assertAlmostEqual(self.scale_built(), 2.0)
+        self.assertTrue(sleeve.is_fine(self.obj))
+        self.obj.animation_data_clear()
+        rig = bpy.data.objects["Arm"]
+        self.obj.parent, self.obj.scale, self.obj = rig, (1.0,) * 3, rig
+        self.keyed(0.0, 3.0)
+        self.assertAlmostEqual(units.metres_per_unit(bpy.data.objects["Sleeve"], bpy.context.scene), 3.0)
+
+    def test_what_a_driver_hides_by_zero_is_made_when_it_is_seen(self) -> None:
+        """Its fine mesh was refused at a scale of zero, and nothing tried again: a driver is no edit."""
+        for axis in range(3):
+            self.obj.driver_add("scale", axis).driver.expression = "0 if frame < 4 else 1"
+        self.obj.rumple.mesh.level = 2
+        for frame in (2, 3):
+            sleeve.at(frame)
+        self.assertIn("its scale is zero", self.obj.rumple.message)
+        for frame in (4, 5):
+            sleeve.at(frame)
+        self.assertEqual(self.obj.rumple.message, "")
+        self.assertEqual(len(sleeve.shown(self.obj)), 2880)
+
 
 class ByAxes(unittest.TestCase):
     """It counted as strain, in silence: a sleeve that only turned was pressed together by a third."""

@@ -126,10 +126,11 @@ def note_scale(obj: bpy.types.Object, runtime: Runtime) -> None:
     """Notice a change of scale of an object, of its parents, or of the bones that move it: it edits no mesh."""
     scene, seen = units.scene_of(obj), runtime.seen
     former, seen.plain_scales = seen.plain_scales, (units.plain_scales(obj, scene), rig_scale.plain(obj))
-    if former == seen.plain_scales or not units.scale_is_known(obj):
+    if former == seen.plain_scales or not (units.scale_is_known(obj) or runtime.refusal):
         return
     found = _scale_of(obj, scene)
-    if seen.scale not in ("", found):
+    # A refused mesh may have been refused at a scale of zero, by which drivers hide objects.
+    if found != seen.scale and (seen.scale or runtime.refusal):
         runtime.stale = True
         scheduler.request(scheduler.DELAY)
     seen.scale = found

@@ -14,8 +14,6 @@ import numpy as np
 from .. import compat
 from . import units
 
-LEAST = 1e-3  # a smaller scale is used to hide a character
-
 
 def of(obj: bpy.types.Object, scene: bpy.types.Scene) -> float:
     """The scale relative to rest, in the clip's first frame; 1 without a skeleton. Constraints, drivers and strips do
@@ -32,7 +30,7 @@ def of(obj: bpy.types.Object, scene: bpy.types.Scene) -> float:
         scale = _keyed_scale(rig.animation_data, path, bone, first) if path in animated else bone.scale
         mean = sum(map(abs, scale)) / 3.0
         product = mean if bone.bone.inherit_scale.startswith("NONE") else product * mean
-    return float(f"{product:.5g}") if product >= LEAST else 1.0
+    return float(f"{product:.5g}") if product >= units.LEAST else 1.0
 
 
 def of_rest(obj: bpy.types.Object, rest_shape: str) -> float:

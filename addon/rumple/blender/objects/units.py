@@ -12,6 +12,7 @@ from ...core.base import transforms
 from .. import compat
 
 SCALES = [(name, axis) for name in ("scale", "delta_scale") for axis in range(3)]
+LEAST = 1e-3  # a smaller scale is used to hide an object or a character
 EVEN = 1.02  # largest ratio of scales along two axes whose difference is hardly visible
 
 
@@ -50,7 +51,7 @@ def frame_rate(scene: bpy.types.Scene) -> float:
 
 def metres_per_unit(obj: bpy.types.Object, scene: bpy.types.Scene) -> float:
     """Mean absolute scale of an object times the scene's unit scale. Of a keyed scale, the value in the clip's first
-    frame is used, so that the result does not depend on the current frame."""
+    frame is used, or the first one that shows it, so that the result does not depend on the current frame."""
     mean = sum(abs(s) for s in _matrix_at(obj, first_frame(obj, scene)).to_scale()) / 3.0
     if any(_scale_curves(one) for one in with_parents(obj)):
         mean = float(f"{mean:.5g}")  # rounding errors of an evaluated scale differ between frames
@@ -139,8 +140,16 @@ def _basis_at(obj: bpy.types.Object, frame: int) -> Matrix:
 
 
 def _own_scale(obj: bpy.types.Object, frame: int) -> list[float]:
-    """The object's own scale per axis, as keyed for a frame."""
+    """The object's own scale per axis, as keyed for a frame. If it is hidden there by a scale of zero, because it pops
+    up later, it has the scale of the next key that shows it."""
+    curves = _scale_curves(obj)
+    later = sorted({key.co.x for curve in curves for key in curve.keyframe_points if key.co.x > frame})
+    found = [_scale_as_keyed(obj, curves, time) for time in (frame, *later)]
+    return next((scale for scale in found if max(map(abs, scale)) >= LEAST), found[0])
+
+
+def _scale_as_keyed(obj: bpy.types.Object, curves: list[bpy.types.FCurve], time: float) -> list[float]:
     scale = {name: list(getattr(obj, name)) for name in ("scale", "delta_scale")}
-    for curve in _scale_curves(obj):
-        scale[curve.data_path][curve.array_index] = curve.evaluate(frame)
+    for curve in curves:
+        scale[curve.data_path][curve.array_index] = curve.evaluate(time)
     return [own * more for own, more in zip(*scale.values())]
