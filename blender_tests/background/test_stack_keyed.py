@@ -85,6 +85,40 @@ class Nodes(unittest.TestCase):
         self.assertNotEqual(incoming_mesh.stack_fingerprint(obj), before)
 
 
+class OtherPoints(unittest.TestCase):
+    """Without a window nothing works between two frames: the frame in which other points arrived showed no folds, and
+    those after it were solved as after a jump."""
+
+    def test_a_frame_after_other_levels_are_set_is_solved(self) -> None:
+        def played(before: int) -> list[np.ndarray]:
+            obj = garment()
+            made = in_front(obj, "Subdivision", "SUBSURF")
+            made.levels = made.render_levels = before
+            bpy.ops.object.rumple_add(method="MESH")
+            made.levels = made.render_levels = 0
+            return [sleeve.shown(obj) for frame in (1, 2, 3) if sleeve.at(frame) is None]
+
+        for changed, same in zip(played(1), played(0)):
+            np.testing.assert_array_equal(changed, same)
+
+    def test_a_keyed_number_of_points(self) -> None:
+        obj = garment()
+        made = in_front(obj, "Fewer", "DECIMATE")
+        for frame, ratio in ((4, 1.0), (5, 0.5)):
+            made.ratio = ratio
+            obj.keyframe_insert(f'{made.path_from_id()}.ratio', frame=frame)
+        for curve in compat.keyed_curves(obj.animation_data):
+            for key in curve.keyframe_points:
+                key.interpolation = "CONSTANT"
+        sleeve.at(1)
+        bpy.ops.object.rumple_add(method="MESH")
+        for frame in (4, 5, 6, 4):
+            sleeve.at(frame)
+            self.assertEqual(len(sleeve.shown(obj)), runtimes.of(obj).evaluator.vertex_count, frame)
+            self.assertTrue(sleeve.is_fine(obj))
+            self.assertIsNotNone(runtimes.of(obj).evaluator.frame_cache.get(float(frame)))
+
+
 class Nothing(unittest.TestCase):
 
     def test_what_has_no_faces_at_first_has_wrinkles_as_soon_as_it_has(self) -> None:

@@ -36,8 +36,15 @@ def process(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
             if scheduler.allowed_now() and (changes.take_converted() or any(
                     _needs_structure(obj, nodes_mod) for obj, nodes_mod in objects)):
                 _rebuild_here(objects, depsgraph)
+            garments = [pair for pair in objects if pair[0] not in late]
             with bodies.read_once():
-                written = _solve_levels([pair for pair in objects if pair[0] not in late], objects, scene, depsgraph)
+                written = _solve_levels(garments, objects, scene, depsgraph)
+            # Reading a garment may show that other points arrive than it was made for.
+            changed = [pair for pair in garments if _needs_structure(*pair)]
+            if changed and scheduler.allowed_now():
+                _rebuild_here(changed, depsgraph)
+                with bodies.read_once():
+                    written += _solve_levels(changed, objects, scene, depsgraph)
         finally:
             for obj, _ours in objects:
                 runtimes.of(obj).pose = runtimes.of(obj).current = None  # valid only in this call
@@ -115,7 +122,10 @@ def _rebuild_here(objects: list, depsgraph: bpy.types.Depsgraph) -> None:
         with messages.frame_errors(obj, runtimes.of(obj)):
             poses[obj.name_full] = _posed(obj, depsgraph) if modifier.is_on(nodes_mod, depsgraph) else None
     scheduler.sync_all()
-    for obj, _ours in objects:
+    for obj, nodes_mod in objects:
+        with messages.frame_errors(obj, runtimes.of(obj)):
+            if poses.get(obj.name_full) is None and modifier.is_on(nodes_mod, depsgraph):
+                poses[obj.name_full] = _posed(obj, depsgraph)  # of another number of points than before
         runtimes.of(obj).pose = poses.get(obj.name_full)
 
 
