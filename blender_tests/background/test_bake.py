@@ -67,6 +67,14 @@ class Baked(unittest.TestCase):
             bpy.ops.object.rumple_bake()
         self.assertFalse(folder.exists())
 
+    def test_in_sculpt_mode_it_says_to_leave_it(self) -> None:
+        """It asked to see whether the modifier was on, which it was."""
+        bpy.ops.object.mode_set(mode="SCULPT")
+        with self.assertRaisesRegex(RuntimeError, "Sleeve: nothing is solved while its mesh is edited: leave Sculpt"):
+            bpy.ops.object.rumple_bake()
+        bpy.ops.object.mode_set(mode="OBJECT")
+        self.assertEqual(bpy.ops.object.rumple_bake(), {"FINISHED"})
+
     def test_frames_that_blender_does_not_have_are_refused_before_any_is_solved(self) -> None:
         """From 2147483645 on: the frames in front of it were made a list of 80 GB, then played for ever."""
         first, last = self.obj.rumple.bake_start, self.obj.rumple.bake_end

@@ -209,6 +209,15 @@ class Guides(unittest.TestCase):
         self.assertIn("no rest shape is captured yet", str(caught.exception))
         self.assertNotIn("Traceback", str(caught.exception))
 
+    def test_where_there_are_no_faces_none_is_made_and_it_is_said(self) -> None:
+        """A new curve lies on the garment: of none there was an exception that nobody caught."""
+        obj = folded()
+        obj.data.clear_geometry()
+        bpy.context.view_layer.update()
+        with self.assertRaisesRegex(RuntimeError, "Error: Sleeve: its mesh has no faces: add some"):
+            bpy.ops.object.rumple_guide_add()
+        self.assertEqual(guide_curves.of(obj), [])
+
     def test_they_come_back_with_the_file(self) -> None:
         obj = folded()
         guided(obj)

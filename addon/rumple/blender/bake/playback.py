@@ -12,7 +12,7 @@ from ...core.base.wording import UserError
 from ...core.mesh.frame_result import FrameResult
 from .. import compat, scheduler
 from ..frame import baking, clip_status
-from ..objects import incoming_mesh, modifier, runtimes, units, viewport_mesh, visibility
+from ..objects import incoming_mesh, mesh_reader, modifier, runtimes, units, viewport_mesh, visibility
 
 
 MOST_FRAME = 1_048_574  # Blender's limit, positive and negative: later frames cannot be reached
@@ -155,6 +155,9 @@ class Playback:
                 or abs(runtime.inputs.frame - frame - subframe) > 1e-3):
             if not self.obj.evaluated_get(bpy.context.evaluated_depsgraph_get()).is_evaluated:
                 raise BakeError(f"{self.name}: nothing is solved at frame {frame + subframe:g}, it is hidden: show it")
+            if mesh_reader.is_busy(self.obj):
+                raise BakeError(f"{self.obj.name}: nothing is solved while its mesh is edited: leave Sculpt Mode, or Edit "
+                                "Mode of another object with this mesh")
             raise BakeError(f"{self.obj.name}: nothing is solved at frame {frame + subframe:g}: "
                             "see whether its modifier is on")
         self._held = runtime.result, runtime.inputs.positions

@@ -44,13 +44,15 @@ class OBJECT_OT_rumple_guide_add(ui_base.OnWrinkled, bpy.types.Operator):
 
 
 def _new_curve(context: bpy.types.Context, garment: bpy.types.Object) -> bpy.types.Object:
-    """A new child curve on the garment at rest. Raises UserError if there is no rest shape."""
+    """A new child curve on the garment at rest. Raises UserError if there is no rest shape, or nothing to lie on."""
     settings = properties.settings_of(garment, context.scene)
     rest = mesh_reader.rest_positions(garment, settings.rest_shape, garment.rumple.rest_key).astype(np.float64)
     faces = [polygon.vertices[:] for polygon in incoming_mesh.of(garment).polygons]
     tree = BVHTree.FromPolygons(rest.tolist(), faces)
     to_garment = garment.matrix_world.inverted_safe()
     centre, normal, _face, _distance = tree.find_nearest(to_garment @ context.scene.cursor.location)
+    if centre is None:
+        raise UserError(f"{garment.name}: its mesh has no faces: add some, or choose another object")
     up = to_garment.to_3x3() @ Vector((0.0, 0.0, 1.0))
     up -= up.dot(normal) * normal
     up = up.normalized() if up.length > 1e-6 else normal.orthogonal().normalized()
