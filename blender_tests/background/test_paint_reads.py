@@ -9,9 +9,32 @@ import bpy
 import numpy as np
 from rumple.blender import scheduler
 from rumple.blender.objects import mesh_reader, properties, runtimes
-from support import sleeve
+from support import cloth_scenes, sleeve
 
 RADIUS = "Rumple Radius"
+
+
+class Remeshed(unittest.TestCase):
+    """In 5.2 a Remesh keeps vertex groups, and some weights are above 1 then: 1.004 was refused as impossible,
+    so the garment had no folds any more."""
+
+    def test_paint_that_a_remesh_carries_is_taken(self) -> None:
+        obj = cloth_scenes.garment()
+        group = obj.vertex_groups.new(name="Rumple Follow")
+        for vertex in obj.data.vertices:
+            group.add([vertex.index], vertex.co.x / sleeve.LENGTH, "REPLACE")
+        bpy.context.view_layer.update()
+        obj.data.remesh_voxel_size, obj.data.use_remesh_fix_poles = 0.03, False
+        for name in ("use_remesh_preserve_attributes", "use_remesh_preserve_volume"):
+            if hasattr(obj.data, name):
+                setattr(obj.data, name, True)
+        bpy.ops.object.voxel_remesh()
+        bpy.context.view_layer.update()
+        sleeve.at(5)
+        self.assertEqual(obj.rumple.message, "")
+        self.assertTrue(sleeve.is_fine(obj))
+        weights = mesh_reader.group_weights(obj, obj.data, ["Rumple Follow"])
+        self.assertTrue(((weights >= 0.0) & (weights <= 1.0)).all())
 
 
 class ReadAgain(unittest.TestCase):

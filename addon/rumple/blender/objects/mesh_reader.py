@@ -153,8 +153,9 @@ def key_positions(key: bpy.types.ShapeKey) -> np.ndarray:
 
 # ---------------------------------------------------------------- vertex groups
 def group_weights(obj: bpy.types.Object, mesh: bpy.types.Mesh, names: list[str]) -> np.ndarray:
-    """Weights of the named vertex groups of obj, (n, groups) float32; 0 if a vertex is not in the group.
+    """Weights of the named vertex groups of obj, (n, groups) float32, 0 to 1; 0 if a vertex is not in the group.
 
+    Blender's own tools may leave weights above 1: a Remesh of 5.2 carries groups to the new vertices, and does.
     Blender has no fast access to deform weights: this visits all vertices, 1 ms per 1000.
     """
     column = {group.index: names.index(group.name) for group in obj.vertex_groups if group.name in names}
@@ -166,7 +167,7 @@ def group_weights(obj: bpy.types.Object, mesh: bpy.types.Mesh, names: list[str])
             place = column.get(element.group)
             if place is not None:
                 weights[index, place] = element.weight
-    return weights
+    return np.clip(weights, 0.0, 1.0, out=weights)
 
 
 def paint_groups(settings: SystemSettings) -> dict[str, str]:
