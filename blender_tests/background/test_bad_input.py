@@ -8,6 +8,7 @@ from typing import Any
 
 import bpy
 import numpy as np
+from mathutils import Matrix
 from rumple.blender import scheduler
 from rumple.blender.objects import guide_curves, modifier, runtimes
 from support import sleeve
@@ -140,6 +141,13 @@ class BadInput:
         obj.scale = (1e-12,) * 3
         bpy.data.objects["Arm"].scale = (1e-12,) * 3
         self.told(obj, r"^Sleeve: \w+ is \S+ in units of the object, where \S+ to \S+ is possible: look at the object")
+
+    def test_a_garment_of_thousands_of_kilometres_is_refused_without_names_of_the_solver(self) -> None:
+        """'stretch is 1.1e+15 in units of the object: look at that setting': the panel has no such setting."""
+        obj = self.hang()
+        obj.data.transform(Matrix.Scale(1e7, 4))
+        obj.data.update()
+        self.told(obj, "^Sleeve: its size in metres is too small or too large for cloth: look at the object's scale")
 
     def test_a_guide_with_a_point_that_is_nowhere_is_named(self) -> None:
         """It was told that NaN is no integer."""

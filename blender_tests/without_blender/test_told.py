@@ -18,8 +18,8 @@ OF_FILES = frozenset(("core/systems/poses_json.py",))  # of a file that another 
 WITHOUT_OBJECT = re.compile(
     r"Cycles bakes the maps|GPU Preview of|material \{0\}|it rests on|Bake cancelled|frame \{0\}: ")
 ADVICE = re.compile(
-    r"(?:^|[:;,.(] |\bor |\band )(?:add|apply|bake|choose|change|connect|delete|enable|free|give|go|let|look|lower|"
-    r"make|move|open|paint|press|publish|raise|rename|repair|save|see|set|shorten|show|switch|take|unlock|unwrap|"
+    r"(?:^|[:;,.(] |\bor |\band )(?:add|apply|bake|choose|change|connect|delete|enable|free|give|go|leave|let|look|"
+    r"lower|make|move|open|paint|press|publish|raise|rename|repair|save|see|set|shorten|show|switch|take|unlock|unwrap|"
     r"update|use|wait|it has to be|expected|there may be)\b", re.IGNORECASE)
 DONE = re.compile("is as it was before|the fine mesh is shown")  # nothing is left to be done
 

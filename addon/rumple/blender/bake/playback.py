@@ -156,8 +156,8 @@ class Playback:
             if not self.obj.evaluated_get(bpy.context.evaluated_depsgraph_get()).is_evaluated:
                 raise BakeError(f"{self.name}: nothing is solved at frame {frame + subframe:g}, it is hidden: show it")
             if mesh_reader.is_busy(self.obj):
-                raise BakeError(f"{self.obj.name}: nothing is solved while its mesh is edited: leave Sculpt Mode, or Edit "
-                                "Mode of another object with this mesh")
+                raise BakeError(f"{self.obj.name}: nothing is solved while its mesh is edited: leave Sculpt Mode, or "
+                                "Edit Mode of another object with this mesh")
             raise BakeError(f"{self.obj.name}: nothing is solved at frame {frame + subframe:g}: "
                             "see whether its modifier is on")
         self._held = runtime.result, runtime.inputs.positions

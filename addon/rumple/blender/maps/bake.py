@@ -130,8 +130,8 @@ class MapBake:
                 mesh.update()
             if "rumple_offset" not in high.data.attributes:
                 raise UserError(self._of_copy(wrinkled, runtimes.message(wrinkled))
-                                or f"{self.obj.name}: its wrinkles do not show in this pose: change the pose, or choose "
-                                "another source")
+                                or f"{self.obj.name}: its wrinkles do not show in this pose: change the pose, or "
+                                "choose another source")
             offsets = compat.read_attribute(high.data.attributes["rumple_offset"])
             yield low, high, float(np.percentile(np.sqrt((offsets * offsets).sum(1)), HIGH_FOLDS))
 

@@ -67,15 +67,15 @@ def export(obj: bpy.types.Object, path: Path, images: bool) -> list[Path]:
         neutral = None
     _name_maps(obj, rig, path.stem, neutral)
     if images and neutral is not None:
-        _refuse_tiles(f"{obj.name}: the neutral map {neutral.name}", neutral)
+        _refuse_tiles(obj, neutral)
         written.append(path.with_name(rig.neutral_map))
         _write_png(neutral, written[-1], neutral.is_float)
     for pose, stored in zip(rig.poses, obj.rumple_maps.poses):
         if images and stored.image is not None:
-            at = f"{obj.name}: the wrinkle map {stored.image.name} of pose {pose.name}"
             if not tuple(stored.image.size)[0]:
-                raise UserError(f"{at} cannot be found: choose its file, or bake it again")
-            _refuse_tiles(at, stored.image)
+                raise UserError(f"{obj.name}: the wrinkle map {stored.image.name} of pose {pose.name} cannot be found: "
+                                "choose its file, or bake it again")
+            _refuse_tiles(obj, stored.image)
             written.append(path.with_name(pose.map))
             _write_png(stored.image, written[-1], stored.image.is_float)
     text = rig.to_json()
@@ -84,11 +84,11 @@ def export(obj: bpy.types.Object, path: Path, images: bool) -> list[Path]:
     return written
 
 
-def _refuse_tiles(at: str, image: bpy.types.Image) -> None:
+def _refuse_tiles(obj: bpy.types.Object, image: bpy.types.Image) -> None:
     """Raise UserError for an image of several tiles (UDIM), because Blender saves those as several files."""
     if image.source == "TILED":
-        raise UserError(f"{at} has tiles (UDIM), and the export writes one file for each map: choose an image without "
-                        "tiles, or switch Maps off")
+        raise UserError(f"{obj.name}: the map {image.name} has tiles (UDIM), and the export writes one file for each map: "
+                        "choose an image without tiles, or switch Maps off")
 
 
 def _name_maps(obj: bpy.types.Object, rig: PoseRig, stem: str, neutral: bpy.types.Image | None) -> None:

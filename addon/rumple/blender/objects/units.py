@@ -145,7 +145,7 @@ def _own_scale(obj: bpy.types.Object, frame: int) -> list[float]:
     curves = _scale_curves(obj)
     later = sorted({key.co.x for curve in curves for key in curve.keyframe_points if key.co.x > frame})
     found = [_scale_as_keyed(obj, curves, time) for time in (frame, *later)]
-    return next((scale for scale in found if max(map(abs, scale)) >= LEAST), found[0])
+    return next((scale for scale in found if max(abs(size) for size in scale) >= LEAST), found[0])
 
 
 def _scale_as_keyed(obj: bpy.types.Object, curves: list[bpy.types.FCurve], time: float) -> list[float]:

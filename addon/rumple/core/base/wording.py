@@ -48,6 +48,8 @@ SENTENCES = [(re.compile(pattern), sentence) for pattern, sentence in (
      r"expected (\S+) to (\S+), got (\S+)",
      r"what is painted as \1 holds \4, where \2 to \3 is possible: paint it again, or take it away in the panel "
      r"Paint"),
+    (r"(stretch|shear|compression|folded|smoothing|tube_radius): expected .*",  # not in the panel, scaled to metres
+     "its size in metres is too small or too large for cloth: look at the object's scale and the scene's unit"),
     (r"(\w+): expected (?:a value above )?(\S+) to (\S+), got (\S+)",
      r"\1 is \4 in units of the object, where \2 to \3 is possible: look at the object's scale, the scene's unit and "
      r"that setting"),

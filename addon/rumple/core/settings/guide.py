@@ -67,14 +67,14 @@ MESSAGES = tuple((re.compile(pattern), anchor) for pattern, anchor in (
      r"|it is a sheet that the bone|all of its materials name|one bone moves it", "body-and-cloth"),
     (r"outside the bake|[Bb]aked clip|of it is damaged|the disk of|nothing can be written|the folder .* is gone"
      r"|changed since the bake|is too long for Windows|: bake again|nothing (?:of it )?is \w+ at frame"
-     r"|choose another folder|Time Stretching is on|another file was opened", "bakes"),
+     r"|choose another folder|Time Stretching is on|another file was opened|while its mesh is edited", "bakes"),
     (r"modifier \"|faces the other way|more faces than two|lies on another face|uses a vertex twice"
      r"|deforms the mesh|no valid position|scale is zero|the fine mesh would have|of the own mesh|has no room for"
      r"|rest wrinkle of|away from the origin|other vertices in renders|leaves no faces"
      r"|find their places|collides with it|parented to vertices|shows no waves|Use Limit Surface|has no faces"
      r"|differs by axes|so renders do not see|stand at one place|nothing to wrinkle|: seams: "
      r"|vertices without a face|meet only in a point|in units of the object|than can be counted|cannot be subdivided"
-     r"|no fold can be computed|can start at more than"
+     r"|no fold can be computed|its size in metres|can start at more than"
      r"|of zero (?:length|area)|its mesh is also that of", "the-mesh-and-its-modifiers"),
     (r"renders show its folds one frame late|custom normals|lets lists grow only", "known-limits"),
     (r"nothing to bake|has no frame|is before the first|was never saved|clip is not deleted|is kept, |Bake cancelled",
@@ -95,7 +95,7 @@ MESSAGES = tuple((re.compile(pattern), anchor) for pattern, anchor in (
     (r"pose .* every bone|to be the root|do not sum to 1|has no bone|has no shape key|the same value in every pose"
      r"|shape keys are absolute|cannot be set here: a driver|without .*: update it|was stretched or mirrored"
      r"|no armature deforms|is compared|does not come to where|it has no UV map \""
-     r"|its material .* is linked"
+     r"|its material .* is linked|has tiles"
      r"|are compared|to be compared|reference pose|no vertex group|name of pose|cannot be read"
      r"|: expected|, .*: expected|has no name|are called", "reference-poses"),
     (r"^material |: its materials|no material|[Ww]rinkle map|Cycles bakes|UV map to bake|cannot be baked|the maps? "
