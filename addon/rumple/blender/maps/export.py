@@ -87,8 +87,8 @@ def export(obj: bpy.types.Object, path: Path, images: bool) -> list[Path]:
 def _refuse_tiles(obj: bpy.types.Object, image: bpy.types.Image) -> None:
     """Raise UserError for an image of several tiles (UDIM), because Blender saves those as several files."""
     if image.source == "TILED":
-        raise UserError(f"{obj.name}: the map {image.name} has tiles (UDIM), and the export writes one file for each map: "
-                        "choose an image without tiles, or switch Maps off")
+        raise UserError(f"{obj.name}: the map {image.name} has tiles (UDIM), and the export writes one file for each "
+                        "map: choose an image without tiles, or switch Maps off")
 
 
 def _name_maps(obj: bpy.types.Object, rig: PoseRig, stem: str, neutral: bpy.types.Image | None) -> None:
