@@ -39,12 +39,12 @@ def process(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
             garments = [pair for pair in objects if pair[0] not in late]
             with bodies.read_once():
                 written = _solve_levels(garments, objects, scene, depsgraph)
-            # Reading a garment may show that other points arrive than it was made for.
+            # Reading a garment may show that other points arrive than it was made for. What is worn over it follows it.
             changed = [pair for pair in garments if _needs_structure(*pair)]
             if changed and scheduler.allowed_now():
                 _rebuild_here(changed, depsgraph)
                 with bodies.read_once():
-                    written += _solve_levels(changed, objects, scene, depsgraph)
+                    written += _solve_levels(garments, objects, scene, depsgraph)
         finally:
             for obj, _ours in objects:
                 runtimes.of(obj).pose = runtimes.of(obj).current = None  # valid only in this call
