@@ -51,6 +51,7 @@ mat4 make_mat4(vec4, vec4, vec4, vec4);
 #define ONE(T)        \
     T abs(T);         \
     T floor(T);       \
+    T round(T);       \
     T sqrt(T);        \
     T exp2(T);        \
     T sin(T);         \
