@@ -12,7 +12,7 @@ from unittest import mock
 
 import bpy
 import numpy as np
-from rumple.blender import compat, handlers, scheduler
+from rumple.blender import compat, handlers, render_lock, scheduler
 from rumple.blender.frame import clip_status
 from rumple.blender.objects import runtimes
 from support import reference_solve, render_cases, sleeve, small_renders
@@ -174,6 +174,23 @@ class RenderJob(WindowCase):
         self.assertRegex("\n".join(said), "before rendering: .*: it was changed, and its folds are not made anew yet")
         yield from self.until(lambda: self.vertices() > 3 * count)
         self.assertGreater(self.vertices(), 3 * count)
+
+    def test_the_interface_stays_locked_where_a_render_solves(self) -> Iterator[float]:
+        """Without the lock the window evaluated what the job wrote, and Blender 4.3 crashed. Garments come into scenes
+        in which nobody clicked: they are linked and appended."""
+        sleeve.scene(wrinkles=False)
+        other = bpy.data.scenes.new("Other")
+        yield 2.0 * scheduler.LOOK
+        self.assertFalse(other.render.use_lock_interface)
+        with sleeve.context():
+            sleeve.make_active(bpy.data.objects["Sleeve"])
+            bpy.ops.object.rumple_add(method="MESH")
+        yield from self.until(lambda: other.render.use_lock_interface)
+        self.assertTrue(other.render.use_lock_interface)
+        with mock.patch.object(render_lock, "is_baked", lambda _nodes_mod: True):
+            other.render.use_lock_interface = False
+            yield 2.0 * scheduler.LOOK
+            self.assertFalse(other.render.use_lock_interface)
 
     def vertices(self) -> int:
         return len(sleeve.output_object(self.obj).data.vertices)

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What one setting changes, for the guide: looks.jpg. A walking figure after one click for each garment, and with one
-setting of both garments changed. It needs ../shared/data.
+"""What one setting changes, for the guide: looks.webp, small because packages contain it. A walking figure after one
+click for each garment, and with one setting of both garments changed. It needs ../shared/data.
 
     RUMPLE_NATIVE=build/release/python blender -b --factory-startup --python-exit-code 1 \
         --python docs/pictures/make_looks.py
@@ -37,7 +37,9 @@ def main() -> None:
             scheduler.sync_all()
             tiles += play(FIGURE, at, lambda _frame, label=label: label, Path(folder))
         compose(tiles, 2, Path(folder) / "sheet.png")
-        Image.open(Path(folder) / "sheet.png").save(HERE / "looks.jpg", quality=82, optimize=True)
+        sheet = Image.open(Path(folder) / "sheet.png").convert("RGB")
+        sheet.thumbnail((1456, 1456))
+        sheet.save(HERE / "looks.webp", quality=70, method=6)
 
 
 if __name__ == "__main__":

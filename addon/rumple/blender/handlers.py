@@ -8,7 +8,7 @@ from typing import Any, Callable
 import bpy
 from bpy.app.handlers import persistent
 
-from . import scheduler
+from . import render_lock, scheduler
 from .frame import baking, clip_status, disk_frames, first_pass, path_curves, rebuild, solve
 from .maps import (changes as maps_changes, modifier as maps_modifier, rebuild as maps_rebuild,
                    runtimes as maps_runtimes, solve as maps_solve)
@@ -164,6 +164,7 @@ def _pairs() -> tuple:
 def register() -> None:
     # The order matters: Maps depend on the other wrinkles.
     scheduler.set_workers(_guarded(rebuild.sync_all), _guarded(maps_rebuild.sync))
+    scheduler.set_upkeep(_guarded(render_lock.keep_on))
     for functions, function in _pairs():
         if function not in functions:
             functions.append(function)

@@ -43,6 +43,7 @@ _suspended = False
 _files = 0  # number of opened files
 _due: set[tuple[str, str | None]] = set()  # objects to tag: name and library, because undo keeps them
 _workers: tuple[Callable[[], None], ...] = ()
+_upkeep: Callable[[], None] = lambda: None
 _thread_builds_allowed = False  # long work may be left to threads
 _builds: list[Build] = []  # running threads
 _report_progress: Callable[[], None] = lambda: None
@@ -54,6 +55,12 @@ def set_workers(*workers: Callable[[], None]) -> None:
     """Set the functions that sync_all() calls, in this order."""
     global _workers
     _workers = workers
+
+
+def set_upkeep(function: Callable[[], None]) -> None:
+    """Set the function that is called every LOOK seconds in a window while no job runs."""
+    global _upkeep
+    _upkeep = function
 
 
 def note_file() -> None:
@@ -295,7 +302,10 @@ def _restart(seconds: float) -> None:
 def _look() -> float:
     # A tag also reaches the depsgraph of a job during its evaluation, so nothing is tagged while a job runs. The thread
     # of a job holds the lock while it solves, so the lock is taken only if there is work to do.
-    if job_runs() or not (_due or _wanted):
+    if job_runs():
+        return LOOK
+    _upkeep()
+    if not (_due or _wanted):
         return LOOK
     with LOCK:
         if job_runs():
@@ -316,3 +326,4 @@ def stop() -> None:
             bpy.app.timers.unregister(function)
     _builds.clear()
     set_workers()
+    set_upkeep(lambda: None)
