@@ -8,7 +8,7 @@ import unittest
 import bpy
 import numpy as np
 from mathutils import kdtree
-from rumple.blender import handlers
+from rumple.blender import compat, handlers
 from rumple.blender.objects import modifier, properties, runtimes
 from rumple.blender.ui import panels
 from support import cloth_scenes, sleeve
@@ -222,6 +222,21 @@ class Over(Cloth):
             self.assertEqual((self.outer.rumple.message, self.inner.rumple.message), ("", ""))
             setattr(self.inner.rumple.mesh, name, former)
             np.testing.assert_array_equal(played(self.outer, 6)[6], first)
+
+    def test_the_outer_one_follows_in_the_frame_in_which_the_inner_one_gets_other_points(self) -> None:
+        """It was solved over the bare coarse mesh there, because the inner one was solved after it."""
+        fewer = self.inner.modifiers.new("Fewer", "DECIMATE")
+        compat.move_modifier(self.inner, len(self.inner.modifiers) - 1, 0)
+        fewer = self.inner.modifiers["Fewer"]
+        for frame, ratio in ((4, 1.0), (5, 0.5)):
+            fewer.ratio = ratio
+            self.inner.keyframe_insert(f"{fewer.path_from_id()}.ratio", frame=frame)
+        for curve in compat.keyed_curves(self.inner.animation_data):
+            for key in curve.keyframe_points:
+                key.interpolation = "CONSTANT"
+        played(self.outer, 5)
+        self.assertEqual(len(runtimes.of(self.outer).inputs.body.positions),
+                         runtimes.of(self.inner).evaluator.vertex_count)
 
     def test_it_lies_outside_of_the_inner_ones_folds(self) -> None:
         for layers in ("CLOTH", "ONE"):

@@ -15,8 +15,7 @@ ADDON = ROOT / "addon" / "rumple"
 LAYERS = ["native", "core", "blender"]
 CORE = ["base", "settings", "mesh", "parts", "paint", "cloth", "frame", "systems", "files"]
 BLENDER = ["compat", "manual", "translation", "scheduler", "nodes", "objects", "first_click", "viewport", "frame",
-           "ui_base", "maps", "brush", "bake", "farm", "ui", "render_lock",
-           "handlers"]
+           "ui_base", "maps", "brush", "bake", "farm", "ui", "render_lock", "handlers"]
 # Folders of native/, lowest first, in the same way. The systems stand side by side: none includes another.
 SYSTEMS = ["systems/wrinkle_maps", "systems/wrinkle_mesh", "systems/wrinkle_field", "systems/wrinkle_paths"]
 NATIVE = ["include/rumple", "include", "base", "surface/query", "surface/mesh", "surface/refine", "surface/contact",

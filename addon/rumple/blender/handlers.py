@@ -164,7 +164,7 @@ def _pairs() -> tuple:
 def register() -> None:
     # The order matters: Maps depend on the other wrinkles.
     scheduler.set_workers(_guarded(rebuild.sync_all), _guarded(maps_rebuild.sync))
-    scheduler.set_upkeep(_guarded(render_lock.keep_on))
+    scheduler.set_regular_check(_guarded(render_lock.keep_on))
     for functions, function in _pairs():
         if function not in functions:
             functions.append(function)

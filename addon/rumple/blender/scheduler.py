@@ -43,7 +43,7 @@ _suspended = False
 _files = 0  # number of opened files
 _due: set[tuple[str, str | None]] = set()  # objects to tag: name and library, because undo keeps them
 _workers: tuple[Callable[[], None], ...] = ()
-_upkeep: Callable[[], None] = lambda: None
+_regular_check: Callable[[], None] = lambda: None
 _thread_builds_allowed = False  # long work may be left to threads
 _builds: list[Build] = []  # running threads
 _report_progress: Callable[[], None] = lambda: None
@@ -57,10 +57,10 @@ def set_workers(*workers: Callable[[], None]) -> None:
     _workers = workers
 
 
-def set_upkeep(function: Callable[[], None]) -> None:
+def set_regular_check(function: Callable[[], None]) -> None:
     """Set the function that is called every LOOK seconds in a window while no job runs."""
-    global _upkeep
-    _upkeep = function
+    global _regular_check
+    _regular_check = function
 
 
 def note_file() -> None:
@@ -304,7 +304,7 @@ def _look() -> float:
     # of a job holds the lock while it solves, so the lock is taken only if there is work to do.
     if job_runs():
         return LOOK
-    _upkeep()
+    _regular_check()
     if not (_due or _wanted):
         return LOOK
     with LOCK:
@@ -326,4 +326,4 @@ def stop() -> None:
             bpy.app.timers.unregister(function)
     _builds.clear()
     set_workers()
-    set_upkeep(lambda: None)
+    set_regular_check(lambda: None)

@@ -40,8 +40,8 @@ def process(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
             with bodies.read_once():
                 written = _solve_levels(garments, objects, scene, depsgraph)
             # Reading a garment may show that other points arrive than it was made for. What is worn over it follows it.
-            changed = [pair for pair in garments if _needs_structure(*pair)]
-            if changed and scheduler.allowed_now():
+            changed = [pair for pair in garments if scheduler.allowed_now() and _needs_structure(*pair)]
+            if changed:
                 _rebuild_here(changed, depsgraph)
                 with bodies.read_once():
                     written += _solve_levels(garments, objects, scene, depsgraph)
