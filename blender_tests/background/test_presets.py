@@ -2,13 +2,20 @@
 """The menu of fabrics: what a choice sets, what the next one takes back, and files of before."""
 from __future__ import annotations
 
+import sys
 import unittest
+from pathlib import Path
+from unittest import mock
 
 import bpy
 import numpy as np
 from rumple.blender.objects import properties, runtimes
 from rumple.core.settings.presets import MESH_PRESETS
 from support import sleeve
+
+SCRIPTS = Path(__file__).resolve().parents[2] / "scripts"
+if str(SCRIPTS) not in sys.path:
+    sys.path.insert(0, str(SCRIPTS))
 
 
 class Presets(unittest.TestCase):
@@ -86,6 +93,26 @@ class Presets(unittest.TestCase):
     def farthest(self, obj: bpy.types.Object) -> float:
         sleeve.at(15)
         return float(np.linalg.norm(runtimes.of(obj).result.offset, axis=1).max())
+
+    def test_trousers_are_cut_wide_in_cotton_and_as_their_fabric_says_in_others(self) -> None:
+        """While the figure stood, trousers were smooth tubes. Cotton is as the first click leaves them."""
+        import demo_scene
+        build = demo_scene.demo_body.build_body
+        with sleeve.context(), mock.patch.object(demo_scene.demo_body, "build_body", lambda _spacing: build(0.02)):
+            demo_scene.build_demo_scene()
+        for name, clicked in (("Shirt", 1.02), ("Trousers", 1.05)):
+            obj = bpy.data.objects[name]
+            sleeve.make_active(obj)
+            with sleeve.context():
+                bpy.ops.object.rumple_add(method="MESH")
+            self.assertEqual(obj.rumple.mesh.slack, np.float32(clicked))
+        for preset, slack in (("SUIT", 1.02), ("DENIM", 1.05), ("STRETCH", 0.95), ("COTTON", 1.05), ("PAPER", 1.05)):
+            bpy.ops.object.rumple_preset(preset=preset)
+            self.assertEqual(obj.rumple.mesh.slack, np.float32(slack), preset)
+        obj.rumple.mesh.slack = 1.03
+        bpy.ops.object.rumple_remove()
+        bpy.ops.object.rumple_add(method="MESH")
+        self.assertEqual(obj.rumple.mesh.slack, np.float32(1.03))  # what the artist has set stays
 
     def test_presets_of_a_file_from_before_fabrics_had_weights_are_taken_back(self) -> None:
         for preset, width in (("DENIM", 2.0), ("LEATHER", 2.0), ("SILK", 1.0), ("PAPER", 1.0)):

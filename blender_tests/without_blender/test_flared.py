@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Which garments the first click takes for skirts, and which for sheets."""
+"""Which garments the first click takes for skirts, which for trousers with loose legs, and which for sheets."""
 from __future__ import annotations
 
 import unittest
@@ -8,8 +8,9 @@ from dataclasses import replace
 import numpy as np
 from rumple.core.mesh.base_mesh import BaseMesh
 from rumple.core.paint.hangs_free import share_of_sheet
-from rumple.core.parts.flared import is_flared, is_sheet
-from rumple.core.systems.wrinkle_mesh import CLOTH_WAVELENGTH, SHEET_WAVELENGTH, SKIRT_WAVELENGTH, cloth_defaults
+from rumple.core.parts.flared import has_loose_legs, is_flared, is_sheet
+from rumple.core.systems.wrinkle_mesh import (
+    CLOTH_WAVELENGTH, LOOSE_LEGS_SLACK, SHEET_WAVELENGTH, SKIRT_WAVELENGTH, cloth_defaults)
 from support.meshes import quad_mesh, tube
 
 UPRIGHT = np.eye(3)
@@ -78,6 +79,45 @@ def together(*bases: BaseMesh) -> BaseMesh:
     first = np.cumsum([0, *(len(base.positions) for base in bases)])
     return quad_mesh("Parts", np.concatenate([base.positions + (3.0 * k, 0.0, 0.0) for k, base in enumerate(bases)]),
                      np.concatenate([base.corner_vertex.reshape(-1, 4) + start for base, start in zip(bases, first)]))
+
+
+def legs(radius: float = 0.065, length: float = 0.9, figure: float = 1.75, other_lower: float = 0.0) -> BaseMesh:
+    """Two tubes beside each other, metres: where trousers end, this is all that counts. A leg is 0.065 wide where jeans
+    end, an ankle 0.04."""
+    leg = tube(24, 8, radius, length)
+    base = together(leg, replace(leg, positions=leg.positions - np.float32((0.0, 0.0, other_lower))))
+    base.figure = figure
+    return base
+
+
+class LooseLegs(unittest.TestCase):
+
+    def test_straight_legs_have_them_and_leggings_do_not(self) -> None:
+        self.assertTrue(has_loose_legs(legs(), UPRIGHT[2]))
+        self.assertFalse(has_loose_legs(legs(radius=0.04), UPRIGHT[2]))
+
+    def test_wide_is_relative_to_the_figure_in_any_unit(self) -> None:
+        self.assertFalse(has_loose_legs(legs(figure=2.5), UPRIGHT[2]))
+        self.assertFalse(has_loose_legs(legs(figure=0.0), UPRIGHT[2]))  # not known
+        in_centimetres = replace(legs(), positions=100.0 * legs().positions)
+        in_centimetres.figure = 175.0
+        self.assertTrue(has_loose_legs(in_centimetres, UPRIGHT[2]))
+
+    def test_shorts_skirts_and_sleeves_at_other_heights_are_none(self) -> None:
+        for other in (legs(length=0.3), legs(other_lower=0.3), cone(0.13, 0.3)):
+            other.figure = 1.75
+            self.assertFalse(has_loose_legs(other, UPRIGHT[2]))
+
+    def test_a_jacket_above_them_changes_nothing(self) -> None:
+        jacket = tube(24, 8, 0.2, 0.6)
+        dressed = together(replace(jacket, positions=jacket.positions + np.float32((0.0, 0.0, 1.0))), legs())
+        dressed.figure = 1.75
+        self.assertTrue(has_loose_legs(dressed, UPRIGHT[2]))
+
+    def test_they_get_slack_and_what_else_cloth_gets(self) -> None:
+        loose, tight = (cloth_defaults(legs(radius), 1.0, UPRIGHT) for radius in (0.065, 0.04))
+        self.assertEqual(loose, {**tight, "slack": LOOSE_LEGS_SLACK})
+        self.assertNotIn("slack", tight)
 
 
 class Sheets(unittest.TestCase):

@@ -19,7 +19,7 @@ from . import closed_garments, named_skin
 SIMULATED = frozenset(("CLOTH", "SOFT_BODY", "MESH_CACHE", "MESH_SEQUENCE_CACHE"))
 SIMULATED_DEFAULTS: dict[str, dict[str, Any]] = {
     "MESH": wrinkle_mesh.SIMULATED_DEFAULTS, "FIELD": wrinkle_field.SIMULATED_DEFAULTS}
-CHOICES = ("base_cloth", "layers", "hem_rings", "up", "buckling_threshold", "threshold")  # not lengths
+CHOICES = ("base_cloth", "layers", "hem_rings", "up", "slack", "buckling_threshold", "threshold")  # not lengths
 
 
 def apply(obj: bpy.types.Object, scene: bpy.types.Scene, lengths: set[str], sheet: bool, closed: bool) -> None:

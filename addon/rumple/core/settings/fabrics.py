@@ -13,7 +13,7 @@ class Fabric:
 
     mass: float  # kg/m^2
     rigidity: float  # bending rigidity, N m: the mean of warp and weft
-    slack: float = 1.02  # usual slack of a garment made of this fabric
+    slack: float | None = None  # usual slack of a garment made of this fabric; None: that of its cut
 
     @property
     def bending_length(self) -> float:
@@ -23,7 +23,8 @@ class Fabric:
     @property
     def values(self) -> dict[str, float]:
         """The settings of the base cloth for this fabric, for a preset."""
-        return dict(mass=self.mass, bending_length=float(f"{self.bending_length:.2g}"), slack=self.slack)
+        slack = {} if self.slack is None else dict(slack=self.slack)
+        return dict(mass=self.mass, bending_length=float(f"{self.bending_length:.2g}"), **slack)
 
     @property
     def fold_width(self) -> float:
@@ -38,7 +39,7 @@ FABRICS = {
     "JERSEY": Fabric(mass=0.187, rigidity=19e-6, slack=1.0),
     "SILK": Fabric(mass=0.069, rigidity=3e-6, slack=1.05),
     "WOOL": Fabric(mass=0.4, rigidity=80e-6, slack=1.04),
-    "SUIT": Fabric(mass=0.45, rigidity=240e-6),
+    "SUIT": Fabric(mass=0.45, rigidity=240e-6, slack=1.02),
     "DENIM": Fabric(mass=0.324, rigidity=80e-6, slack=1.05),
     "STRETCH": Fabric(mass=0.204, rigidity=56e-6, slack=0.95),
     "LEATHER": Fabric(mass=0.6, rigidity=377e-6, slack=1.06),

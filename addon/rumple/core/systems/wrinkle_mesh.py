@@ -27,7 +27,7 @@ from ..paint.fold_guides import ALONG
 from ..paint.hangs_free import FREE, WORN, with_wide_folds
 from ..paint.paint_maps import WIDTH, fold_width
 from ..parts.cloth_surface import Checked, checked_surface
-from ..parts.flared import is_flared
+from ..parts.flared import has_loose_legs, is_flared
 from ..settings.cloth_settings import ClothSettings, nearest_up
 from ..settings.system_settings import MeshSettings
 from .coarse_mesh import coarse_mesh
@@ -41,6 +41,9 @@ FARTHEST_OWN = 0.25  # an own mesh farther from the base than this share of the 
 CLOTH_WAVELENGTH, SKIRT_WAVELENGTH = 0.04, 0.14
 # finest folds of a sheet like a scarf: least width; width / diagonal (at most a skirt's)
 SHEET_WAVELENGTH, SHEET_FOLDS = 0.07, 0.1
+# Loose legs of trousers are cut this much wider than they are modelled: so they have folds while the figure stands, and
+# nearly as high ones as a simulation where it moves (docs/cloth_measured.md).
+LOOSE_LEGS_SLACK = 1.05
 LEAST_OPENINGS = 2  # least number of openings of a garment; a head has one
 
 
@@ -64,7 +67,8 @@ def cloth_defaults(base: BaseMesh, unit_scale: float, world_from_object: np.ndar
         finest = min(max(SHEET_FOLDS * base.diagonal() * unit_scale / scale, SHEET_WAVELENGTH), finest)
     lengths = dict(wavelength=finest, room=ClothSettings.room, slide_room=ClothSettings.slide_room,
                    free_room=ClothSettings.free_room, thickness=ClothSettings.thickness)
-    return dict(base_cloth="HANG", layers="CLOTH", hem_rings=0, up=nearest_up(world_from_object[2]),
+    slack = dict(slack=LOOSE_LEGS_SLACK) if has_loose_legs(base, world_from_object[2]) else {}
+    return dict(base_cloth="HANG", layers="CLOTH", hem_rings=0, up=nearest_up(world_from_object[2]), **slack,
                 **{name: float(f"{length * scale:.2g}") for name, length in lengths.items()})
 
 
