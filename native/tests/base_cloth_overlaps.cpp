@@ -3,7 +3,10 @@
 #include <gtest/gtest.h>
 
 #include "surface/cloth/overlaps.h"
+#include "surface/mesh/positions.h"
 #include "surface/output/attachments.h"
+#include "surface/query/bounds.h"
+#include "surface/refine/triangle_tree.h"
 #include "tests/base_cloth_rig.h"
 
 namespace rumple::tests {
@@ -51,6 +54,48 @@ TEST(BaseClothOverlaps, NeitherOneSheetNorSheetsBesideOrFarFromOneAnotherHaveAny
         std::reverse(back_to_back.corner_vertex.begin() + back_to_back.polygon_start[p],
                      back_to_back.corner_vertex.begin() + back_to_back.polygon_start[p + 1]);
     EXPECT_TRUE(find_overlaps(build(back_to_back)).empty());
+}
+
+// What find_overlaps() finds for one vertex and side, by looking at every triangle.
+SurfacePoint nearest_of_all(const Surface& surface, std::span<const Index> part,
+                            std::span<const Vec3> normals, Index v, bool outer) {
+    TrianglePoint best{{}, std::pow(bounding_diagonal(surface.positions_rest) / 30.0, 2.0)};
+    for (Index t = 0; t < static_cast<Index>(surface.triangles.size()); ++t) {
+        if (part[surface.welded.corner_vertex[surface.triangles[t].corner[0]]] == part[v]) continue;
+        const TrianglePoint point = closest_point(surface, t, surface.positions_rest[v]);
+        const Vec3 way = (outer ? -1.0f : 1.0f) * (interpolate(surface, point.place, surface.positions_rest) -
+                                                   surface.positions_rest[v]);
+        const Vec3 normal = interpolate(surface, point.place, normals);
+        const bool lies = glm::dot(normal, normals[v]) > 0.5f * glm::length(normal) &&
+                          glm::dot(way, normals[v]) > 0.7f * glm::length(way);
+        if (lies && point.squared_distance < best.squared_distance) best = point;
+    }
+    return best.place;
+}
+
+TEST(BaseClothOverlaps, AreTheNearestOfAllPlacesThatLieUnderOrOver) {
+    MeshData garment = with_part(tube(24, 16, 0.1f, 0.4f), tube(20, 13, 0.104f, 0.3f), {0.0f, 0.0f, 0.05f});
+    garment = with_part(garment, grid(3, 3, 0.02f), {0.08f, -0.03f, 0.2f});
+    Random random(3);
+    for (Vec3& point : garment.positions) point += 0.003f * random.vector();
+    const Surface surface = build(garment);
+    const std::vector<Index> part = connected_parts(surface);
+    const std::vector<Vec3> normals = vertex_normals(surface, surface.positions_rest);
+    std::vector<Overlap> expected;
+    for (Index v = 0; v < surface.welded.vertex_count; ++v) {
+        for (const bool outer : {true, false}) {
+            const SurfacePoint place = nearest_of_all(surface, part, normals, v, outer);
+            if (place.triangle != kNone) expected.push_back({v, place, outer});
+        }
+    }
+    const std::vector<Overlap> found = find_overlaps(surface);
+    ASSERT_EQ(found.size(), expected.size());
+    EXPECT_GT(found.size(), 150u);
+    for (size_t k = 0; k < found.size(); ++k) {
+        EXPECT_EQ(found[k].vertex, expected[k].vertex);
+        EXPECT_EQ(found[k].outer, expected[k].outer);
+        EXPECT_EQ(found[k].place.triangle, expected[k].place.triangle);
+    }
 }
 
 TEST(BaseClothOverlaps, TheOuterPartSinksNoDeeperThanTheThickness) {

@@ -129,7 +129,7 @@ std::vector<SurfacePoint> closest_points(const Surface& surface, std::span<const
     for_each_index(queries.size(), kLeastSearches, [&](size_t i) {
         const Index part = part_of_query.empty() ? kNone : part_of_query[i];
         const TrianglePoint point = tree.closest_within(
-            queries[i], std::numeric_limits<double>::infinity(),
+            queries[i], std::numeric_limits<double>::infinity(), [](Index) { return false; },
             [&](Index triangle) { return part == kNone || part_of_triangle[triangle] == part; },
             [](const TrianglePoint&) { return true; });
         places[i] = point.place;

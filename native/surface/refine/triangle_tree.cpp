@@ -80,7 +80,7 @@ TriangleTree::TriangleTree(const Surface& surface) : surface_(surface) {
 
 TrianglePoint TriangleTree::closest(const Vec3& p) const {
     return closest_within(
-        p, std::numeric_limits<double>::infinity(), [](Index) { return true; },
+        p, std::numeric_limits<double>::infinity(), [](Index) { return false; }, [](Index) { return true; },
         [](const TrianglePoint&) { return true; });
 }
 

@@ -25,19 +25,24 @@ class TriangleTree {
 
     // Ties go to the lowest triangle.
     TrianglePoint closest(const Vec3& p) const;
-    // The closest accepted point within a distance; no triangle if there is none. wanted(Index): whether to
-    // test a triangle at all; accept(TrianglePoint): whether its closest point is accepted.
-    template <typename Wanted, typename Accept>
-    TrianglePoint closest_within(const Vec3& p, double farthest, Wanted&& wanted, Accept&& accept) const;
+    // The closest accepted point within a distance; no triangle if there is none. skip(node): whether no
+    // point of a node is accepted, for speed; wanted(Index): whether to test a triangle at all;
+    // accept(TrianglePoint): whether its closest point is accepted.
+    template <typename Skip, typename Wanted, typename Accept>
+    TrianglePoint closest_within(const Vec3& p, double farthest, Skip&& skip, Wanted&& wanted,
+                                 Accept&& accept) const;
+
+    const Hierarchy& hierarchy() const { return hierarchy_; }  // of the triangles
+    const Bounds& bounds(Index node) const { return bounds_[node]; }
 
   private:
     const Surface& surface_;
-    Hierarchy hierarchy_;         // of the triangles
+    Hierarchy hierarchy_;
     std::vector<Bounds> bounds_;  // per node
 };
 
-template <typename Wanted, typename Accept>
-TrianglePoint TriangleTree::closest_within(const Vec3& p, double farthest, Wanted&& wanted,
+template <typename Skip, typename Wanted, typename Accept>
+TrianglePoint TriangleTree::closest_within(const Vec3& p, double farthest, Skip&& skip, Wanted&& wanted,
                                            Accept&& accept) const {
     TrianglePoint best;
     best.squared_distance = farthest * farthest;
@@ -45,7 +50,7 @@ TrianglePoint TriangleTree::closest_within(const Vec3& p, double farthest, Wante
     const auto distance = [&](Index node) { return squared_distance(bounds_[node], query); };
     visit_nearest_first(
         hierarchy_, distance,
-        [&](Index node) { return distance(node) > best.squared_distance * (1.0 + kTieSlack); },
+        [&](Index node) { return distance(node) > best.squared_distance * (1.0 + kTieSlack) || skip(node); },
         [&](Index place) {
             const Index triangle = hierarchy_.order[place];
             if (!wanted(triangle)) return;

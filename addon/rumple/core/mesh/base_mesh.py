@@ -25,8 +25,9 @@ RAISE_MOST = "raise Most Vertices"  # how the limit on a fine mesh is lifted
 
 @contextlib.contextmanager
 def built_once() -> Iterator[None]:
-    """A context in which equal arrays are healed only once, and made a surface only once. It is for the first click,
-    which reads a garment several times before its wrinkles are built. All results are kept until the context ends."""
+    """A context in which equal arrays are healed, made a surface and searched for an inner side only once. It is for the
+    first click, which reads a garment several times before its wrinkles are built. All results are kept until the
+    context ends."""
     global _built
     _built = {}
     try:
@@ -91,17 +92,25 @@ class BaseMesh:
         return values if self.origin is None else values[self.origin.vertex]
 
     def _native(self, build: Callable[..., Any], weld: bool, *more: np.ndarray | None) -> Any:
-        arrays, built = (self.positions, self.polygon_start, self.corner_vertex, self.triangle_corner), _built
-        key = b"" if built is None else digest_of(f"{build.__name__} {weld}".encode(), *arrays, *more)
-        if built is not None and key in built:
-            return built[key]
-        try:
-            made = build(*arrays, weld, *more)
-        except ValueError as error:
-            raise user_error(self.name, error) from error
-        if built is not None:
-            built[key] = made
-        return made
+        arrays = self.positions, self.polygon_start, self.corner_vertex, self.triangle_corner
+
+        def make() -> Any:
+            try:
+                return build(*arrays, weld, *more)
+            except ValueError as error:
+                raise user_error(self.name, error) from error
+        return self.once(f"{build.__name__} {weld}", make, *more)
+
+    def once(self, what: str, make: Callable[[], Any], *more: np.ndarray | None) -> Any:
+        """make(), which depends only on `what`, `more` and the polygons; within built_once() once for equal ones."""
+        built = _built
+        if built is None:
+            return make()
+        key = digest_of(what.encode(), self.positions, self.polygon_start, self.corner_vertex, self.triangle_corner,
+                        *more)
+        if key not in built:
+            built[key] = make()
+        return built[key]
 
     def only(self, kept: np.ndarray) -> "BaseMesh":
         """A mesh with some of the polygons and all vertices. kept: (p,) bool. Copies that lie on a removed polygon are

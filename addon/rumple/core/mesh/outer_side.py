@@ -30,7 +30,8 @@ def find(base: BaseMesh, surface: Any, weld: bool) -> OuterSide | None:
     mesh is not thin, otherwise about 1 ms for 1,000 polygons."""
     if not _is_thin(base):
         return None
-    polygons, thickness = kernels.outer_side(surface, len(base.polygon_start) - 1)
+    polygons, thickness = base.once(f"outer_side {weld}",
+                                    lambda: kernels.outer_side(surface, len(base.polygon_start) - 1))
     if not thickness:
         return None
     mesh = base.only(polygons)

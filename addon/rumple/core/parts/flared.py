@@ -43,6 +43,10 @@ def has_loose_legs(base: BaseMesh, up: np.ndarray) -> bool:
 
 def _openings(base: BaseMesh, up: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Lengths of the borders, and mean heights of their sides."""
+    return base.once("openings", lambda: _measured_openings(base, up), np.asarray(up))
+
+
+def _measured_openings(base: BaseMesh, up: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     place = places(base.positions)
     first, other = border_sides(base, place).T
     label = lowest_connected(np.arange(len(place)), place[first], place[other])
