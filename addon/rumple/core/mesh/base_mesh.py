@@ -25,8 +25,8 @@ RAISE_MOST = "raise Most Vertices"  # how the limit on a fine mesh is lifted
 
 @contextlib.contextmanager
 def built_once() -> Iterator[None]:
-    """A context in which equal arrays are healed, made a surface and searched for an inner side only once. It is for the
-    first click, which reads a garment several times before its wrinkles are built. All results are kept until the
+    """A context in which equal meshes are healed, made a surface and searched for an inner side only once. It is for
+    the first click, which reads a garment several times before its wrinkles are built. All results are kept until the
     context ends."""
     global _built
     _built = {}
