@@ -322,7 +322,9 @@ class Materials(unittest.TestCase):
         compat.use_nodes(material)
         nodes = material.node_tree.nodes
         nodes.remove(next(n for n in nodes if n.type == "BSDF_PRINCIPLED"))
-        nodes.new("ShaderNodeGroup").node_tree = bpy.data.node_groups.new("Inside", "ShaderNodeTree")
+        inside = bpy.data.node_groups.new("Inside", "ShaderNodeTree")
+        compat.new_group_socket(inside, "BSDF", "OUTPUT", "NodeSocketShader")
+        nodes.new("ShaderNodeGroup").node_tree = inside
         for slot in obj.material_slots:
             slot.material = material
         self.assertEqual(wave_materials.unshaded(obj), [
@@ -335,6 +337,21 @@ class Materials(unittest.TestCase):
         self.assertEqual(len(wave_materials.unshaded(obj)), 1)
         obj.material_slots[1].material = obj.material_slots[0].material
         self.assertEqual(wave_materials.unshaded(obj), [])
+
+    def test_a_material_without_a_shader_is_said(self) -> None:
+        """The message looked for its shader inside of a node group."""
+        obj = sleeve.scene(wrinkles=False)
+        material = obj.material_slots[0].material
+        compat.use_nodes(material)
+        nodes = material.node_tree.nodes
+        obj.material_slots[1].material = material
+        for kept in ("ShaderNodeEmission", "ShaderNodeSubsurfaceScattering"):
+            nodes.clear()
+            nodes.new(kept)
+            field_shader.shade(material, obj)
+            self.assertEqual(wave_materials.unshaded(obj), [
+                "Sleeve: the material \"Outside\" shows no waves, for it has no shader that takes a normal: connect a "
+                "Principled BSDF, or set Output to Geometry"] if kept == "ShaderNodeEmission" else [])
 
     def test_a_material_that_another_waving_object_shows_keeps_its_waves(self) -> None:
         obj = waving()

@@ -2,6 +2,8 @@
 """What of the mesh is baked: its UV maps, its shading, its fold guides, what renders show of it."""
 from __future__ import annotations
 
+import contextlib
+import io
 import unittest
 from typing import Any, Callable
 from unittest import mock
@@ -68,6 +70,48 @@ class UvMaps(unittest.TestCase):
         with self.assertRaisesRegex(RuntimeError, 'Face: it has no UV map "UVMap": give it its name back'):
             baked(self.obj)
         self.assertEqual((self.obj.rumple_maps.poses[0].image, everything()), (former, before))
+
+
+class Tiles(unittest.TestCase):
+    """The baker fills one tile. Of faces outside of it there was no word, and a mesh in another tile got a flat map."""
+
+    def setUp(self) -> None:
+        self.obj, rig = face.scene()
+        face.pose(rig, brow_L=-0.012)
+        bpy.ops.rumple.pose_add(name="Left")
+        self.layer = self.obj.data.uv_layers["UVMap"]
+        self.uv = compat.uv_values(self.layer)
+
+    def bake(self, uv: np.ndarray) -> tuple[np.ndarray, str]:
+        """The map, and the warnings that a bake prints."""
+        self.layer.data.foreach_set("uv", np.ascontiguousarray(uv, np.float32).ravel())
+        printed = io.StringIO()
+        with contextlib.redirect_stdout(printed):
+            found = baked(self.obj)
+        self.assertNotIn("Face bake", printed.getvalue())
+        return found, "\n".join(line for line in printed.getvalue().splitlines() if line.startswith("Warning"))
+
+    def test_a_mesh_that_is_whole_in_another_tile_gets_the_same_map(self) -> None:
+        first, said = self.bake(self.uv)
+        self.assertEqual(said, "")
+        for tile in ((1.0, 0.0), (2.0, 1.0), (-1.0, 0.0)):
+            moved, said = self.bake(self.uv + tile)
+            self.assertEqual(said, "")
+            np.testing.assert_allclose(moved, first, atol=0.02)
+            np.testing.assert_allclose(compat.uv_values(self.layer), self.uv + np.float32(tile), atol=1e-6)
+
+    def test_faces_outside_of_it_are_counted(self) -> None:
+        rows = (np.arange(len(self.uv)) // 4 // (face.SIDE - 1))[:, None]
+        _map, said = self.bake(np.where(rows < 2, self.uv + (1.0, 0.0), self.uv))
+        self.assertEqual(said, f"Warning: Face: {2 * (face.SIDE - 1)} of its faces lie outside of the first tile (0 to "
+                         "1) of the UV map \"UVMap\", so the maps do not have their folds: move them into it in the UV "
+                         "Editor, and bake again")
+
+    def test_what_is_said_of_a_copy_names_the_object(self) -> None:
+        self.obj.rumple_maps.bake_source = "MESH"
+        self.obj.scale.x = 2.0
+        bpy.context.view_layer.update()
+        self.assertRegex(self.bake(self.uv)[1], "Warning: Face: the scale of")
 
 
 class FromAWrinkleMesh(unittest.TestCase):

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+import os
+import tempfile
 import unittest
 
 import bpy
@@ -68,6 +70,21 @@ class Joined(unittest.TestCase):
                 after = sides(self.rest(), self.obj.data)
                 np.testing.assert_allclose(np.sort(after[len(after) // 2:]), np.sort(other), rtol=1e-4)
                 self.assertAlmostEqual(sleeve.attribute(self.obj, "rumple_stretch_min").min(), 1.0, places=3)
+
+    def test_what_was_baked_shows_live_folds(self) -> None:
+        """It showed the bare mesh until it was baked again."""
+        with tempfile.TemporaryDirectory() as folder:
+            bpy.ops.wm.save_as_mainfile(filepath=os.path.join(folder, "joined.blend"))
+            sleeve.make_active(self.obj)
+            self.assertEqual(bpy.ops.object.rumple_bake(), {"FINISHED"})
+            self.join()
+            self.assertRegex(self.obj.rumple.message, "384 vertices, 192 were baked, so live folds are shown")
+            found = sleeve.shown(self.obj)
+            self.assertGreater(len(found), len(self.obj.data.vertices))
+            bpy.ops.object.rumple_bake_free()
+            sleeve.at(FRAME + 1)
+            sleeve.at(FRAME)
+            np.testing.assert_array_equal(sleeve.shown(self.obj), found)
 
     def test_a_larger_one_that_is_joined_moves_no_rest_shape(self) -> None:
         """One map had moved most vertices, and was taken for all."""

@@ -170,6 +170,24 @@ class FromBorder(unittest.TestCase):
         bpy.ops.object.rumple_paint_from_border(group="radius", falloff="LINEAR")  # 5 cm are 5 units
         np.testing.assert_allclose(weights(obj)[sleeve.AROUND:2 * sleeve.AROUND], 3.0 * RING / 5.0, atol=1e-5)
 
+    def test_of_a_garment_whose_scale_is_zero(self) -> None:
+        """It has an open border, but the message said that there is none. What pops up from a scale of zero is measured
+        at the scale that its wrinkles are made for."""
+        expected = self.grown(distance=2.5 * RING).ravel()
+        obj = sleeve.scene(wrinkles=False)
+        for frame, scale in ((1, 0.0), (5, 1.0)):
+            obj.scale = (scale, scale, scale)
+            obj.keyframe_insert("scale", frame=frame)
+        sleeve.at(1)
+        sleeve.click(obj)
+        bpy.ops.object.rumple_paint_from_border(group="radius", distance=2.5 * RING)
+        np.testing.assert_allclose(weights(obj, mesh_reader.MESH_GROUPS["radius"]), expected, atol=1e-6)
+        obj.animation_data_clear()
+        obj.scale = (0.0, 0.0, 0.0)
+        sleeve.at(2)
+        with self.assertRaisesRegex(RuntimeError, "Sleeve: its scale is zero"):
+            bpy.ops.object.rumple_paint_from_border(group="radius", distance=2.5 * RING)
+
     def test_without_a_border_it_says_so(self) -> None:
         obj = sleeve.scene()
         closed = bpy.data.meshes.new("Closed")

@@ -201,6 +201,10 @@ def cannot_play(obj: bpy.types.Object, output_object: bpy.types.Object, frame: f
     about = seen.manifest
     if about is None:
         return ""  # check() reports this
+    arriving = len(incoming_mesh.of(obj).vertices)
+    if about.coarse_vertices != arriving:
+        return (f"{obj.name}: its mesh has {arriving} vertices, {about.coarse_vertices} were baked, so live folds are "
+                "shown: bake again, or free the bake")
     if about.vertices != len(output_object.data.vertices):
         return f"{obj.name}: the baked clip {clip.name} is of another fine mesh{_INSTEAD}"
     files = [clip]

@@ -86,10 +86,11 @@ def _prepare(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier, runtime:
     if compat.is_editable(obj) and obj.rumple.method != method:
         obj.rumple.method = method  # the modifier is from Copy Modifiers or an older file
     own_mesh_place.keep(obj)
+    runtime.bake_note = ""
     if modifier.is_baked(nodes_mod) and modifier.output_object(nodes_mod) is not None:
         runtime.bake_note = clip_status.check(obj, modifier.output_object(nodes_mod))
-        return False  # the clip depends on the unchanged output object
-    runtime.bake_note = ""
+        if not _is_edited(obj, nodes_mod):
+            return False  # the clip depends on the unchanged output object
     if method == "FIELD":
         _update_profile(obj, runtime)
     changed = _take_incoming(obj, runtime)
@@ -114,6 +115,12 @@ def _prepare(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier, runtime:
     modifier.set_viewport_output(nodes_mod, viewport_output)
     runtime.invalidate_output()
     return True
+
+
+def _is_edited(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier) -> bool:
+    """Whether its mesh has another number of vertices than its output object was made for, so that nothing but live
+    folds can be shown."""
+    return incoming_mesh.is_own(obj) and len(obj.data.vertices) != modifier.coarse_vertices(nodes_mod)
 
 
 def _filled(output_obj: bpy.types.Object | None, fine: ShownMesh,

@@ -8,7 +8,8 @@ in the artist's file.
 """
 from __future__ import annotations
 
-from contextlib import ExitStack, contextmanager
+import io
+from contextlib import ExitStack, contextmanager, redirect_stdout
 from pathlib import Path
 from typing import Generator, Iterator
 
@@ -50,6 +51,7 @@ class MapBake:
         self.names: list[str] = []  # of the images
         self.gone: list[str] = []  # poses that are no longer there
         self.uv_map = bake_meshes.uv_map(obj)
+        self.notes = bake_meshes.outside_notes(obj, self.uv_map)
         if "CYCLES" not in _engines():
             raise UserError("Cycles bakes the maps: switch on its add-on in the preferences")
         self._was_locked = context.scene.render.use_lock_interface
@@ -120,7 +122,8 @@ class MapBake:
                 rig.lead(copy)
             bake_meshes.copy_guides(self.obj, wrinkled, ended)
             ended.callback(bake_meshes.remove_wrinkles, wrinkled)
-            self._add_wrinkles(wrinkled)
+            with self._printed_of_copy(wrinkled):
+                self._add_wrinkles(wrinkled)
             low, high = (self._frozen(copy, ended) for copy in (coarse, wrinkled))
             if rig.astray():
                 raise UserError(f"{self.obj.name}: bone {rig.astray()} of {self.armature.name} does not come to where "
@@ -161,6 +164,16 @@ class MapBake:
         """A message about a copy of the object, with the name of the object that the artist knows."""
         return text.replace(copy.name, self.obj.name)
 
+    @contextmanager
+    def _printed_of_copy(self, copy: bpy.types.Object) -> Iterator[None]:
+        """What is said on the console about a copy meanwhile has the name of the object too."""
+        printed = io.StringIO()
+        try:
+            with redirect_stdout(printed):
+                yield
+        finally:
+            print(self._of_copy(copy, printed.getvalue()), end="")
+
     def _frozen(self, copy: bpy.types.Object, ended: ExitStack) -> bpy.types.Object:
         """A copy without modifiers, scaled to metres, because the baker's lengths are in the units of its own scene and
         of the coarse mesh. ended: deletes it."""
@@ -181,9 +194,7 @@ class MapBake:
             failed.callback(bpy.data.images.remove, image)
             material = bake_meshes.show_only(low, image)
             ended.callback(bpy.data.materials.remove, material)
-            if self.uv_map in low.data.uv_layers:
-                uv_map = low.data.uv_layers[self.uv_map]
-                low.data.uv_layers.active, uv_map.active_render = uv_map, True  # the baker takes the active one
+            bake_meshes.choose_uv_map(low.data, self.uv_map)
             metres = units.metres_per_unit(self.obj, self.context.scene)
             cage = (settings.bake_cage * self.context.scene.unit_settings.scale_length
                     or max(CAGE_OFFSETS * height * metres, 1e-6))
@@ -319,6 +330,7 @@ class RUMPLE_OT_maps_bake(maps_operators.OnPose, ui_base.ModalWork, bpy.types.Op
     def _finished(self, bake: MapBake) -> set[str]:
         if bake.names:
             self.report({"INFO"}, said(f"Baked {', '.join(bake.names)}"))
+        ui_base.warn(self, "; ".join(bake.notes))
         if bake.gone:
             self.report({"WARNING"}, said(f"{bake.name}: it or these poses were removed or renamed during the bake, so "
                                           f"they get no map: {', '.join(bake.gone)}"))

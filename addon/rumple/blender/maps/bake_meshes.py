@@ -5,6 +5,7 @@ from __future__ import annotations
 from contextlib import ExitStack
 
 import bpy
+import numpy as np
 
 from ...core.base.wording import UserError
 from .. import compat
@@ -12,6 +13,7 @@ from ..frame import rebuild
 from ..objects import guide_curves, made_collections, modifier
 from . import keys as maps_keys, modifier as maps_modifier
 
+EDGE = 1e-4  # of a tile: how far UVs may stand outside by rounding
 MOST_STEPS = 2  # of Smooth Viewport: viewports, whose mesh is baked, show what renders do
 
 
@@ -72,6 +74,35 @@ def uv_map(obj: bpy.types.Object) -> str:
         raise UserError(f"{obj.name}: it has no UV map \"{chosen}\": give it its name back, or choose another in "
                         "Shading")
     return chosen or next(layer.name for layer in layers if layer.active_render)
+
+
+def _tile(uv: np.ndarray) -> np.ndarray:
+    """(2,) the tile that has all UVs, or else the first one."""
+    tile = np.floor(uv.min(0) + EDGE)
+    return tile if (uv.max(0) <= tile + 1.0 + EDGE).all() else np.zeros(2, np.float32)
+
+
+def outside_notes(obj: bpy.types.Object, uv_map: str) -> list[str]:
+    """A warning about faces that the baker leaves out: it fills one tile, the first one or that of all faces."""
+    uv = compat.uv_values(obj.data.uv_layers[uv_map])
+    if not len(uv) or not np.isfinite(uv).all():
+        return []  # nothing can be baked, as is said elsewhere
+    uv -= _tile(uv)
+    outside = (uv < -EDGE).any(1) | (uv > 1.0 + EDGE).any(1)
+    count = int(np.logical_or.reduceat(outside, compat.indices(obj.data.polygons, "loop_start")).sum())
+    return [f"{obj.name}: {count} of its faces lie outside of the first tile (0 to 1) of the UV map \"{uv_map}\", so "
+            "the maps do not have their folds: move them into it in the UV Editor, and bake again"] if count else []
+
+
+def choose_uv_map(mesh: bpy.types.Mesh, name: str) -> None:
+    """Let the baker, which takes the active one, bake to this UV map, and to the tile of all its faces."""
+    if name not in mesh.uv_layers:
+        return
+    layer = mesh.uv_layers[name]
+    mesh.uv_layers.active, layer.active_render = layer, True
+    uv = compat.uv_values(layer)
+    if _tile(uv).any():
+        layer.data.foreach_set("uv", (uv - _tile(uv)).ravel())
 
 
 def show_only(low: bpy.types.Object, image: bpy.types.Image) -> bpy.types.Material:

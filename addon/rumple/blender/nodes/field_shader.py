@@ -145,6 +145,10 @@ class _Builder(builder.Nodes):
 
 
 # ---------------------------------------------------------------- materials
+def _is_shader(node: bpy.types.Node) -> bool:
+    return node.type.startswith("BSDF") or node.type in ("SUBSURFACE_SCATTERING", "EEVEE_SPECULAR")
+
+
 def shade(material: bpy.types.Material, obj: bpy.types.Object) -> None:
     """Let a material show the waves: connect the group to the normal of every shader, and to textures without
     coordinates."""
@@ -154,7 +158,7 @@ def shade(material: bpy.types.Material, obj: bpy.types.Object) -> None:
     nodes, links = material.node_tree.nodes, material.node_tree.links
     textures = [n for n in nodes if n.type == "TEX_IMAGE" and not n.inputs["Vector"].is_linked]
     fields: dict[bpy.types.NodeSocket | None, bpy.types.Node] = {}  # one per normal of other nodes
-    for shader in [n for n in nodes if n.type.startswith("BSDF") and "Normal" in n.inputs]:
+    for shader in [n for n in nodes if _is_shader(n) and "Normal" in n.inputs]:
         target = shader.inputs["Normal"]
         given = target.links[0].from_socket if target.is_linked else None
         if given not in fields:
@@ -242,8 +246,15 @@ def materials_of(obj: bpy.types.Object) -> list[bpy.types.Material]:
 
 
 def shows_waves(material: bpy.types.Material) -> bool:
-    """Whether it has a node of ours. It has none if all shaders are inside node groups."""
+    """Whether it has a node of ours. It has none if all shaders are inside node groups, or if it has no shader."""
     return bool(_our_nodes(material))
+
+
+def has_shader_groups(material: bpy.types.Material) -> bool:
+    """Whether it has a shader that is inside of a node group."""
+    return material.node_tree is not None and any(
+        node.type == "GROUP" and any(socket.type == "SHADER" for socket in node.outputs)
+        for node in material.node_tree.nodes)
 
 
 def is_shaded(obj: bpy.types.Object) -> bool:

@@ -193,13 +193,25 @@ class OBJECT_OT_rumple_paint_from_border(_WholeMap, bpy.types.Operator):
 def _from_border(obj: bpy.types.Object, most: float) -> np.ndarray:
     """(n,) distances to the open border on the undeformed mesh, in the scene's unit. Raises UserError."""
     mesh = obj.data
-    positions = mesh_reader.basis_positions(mesh) @ np.array(obj.matrix_world.to_3x3(), np.float32).T
+    positions = mesh_reader.basis_positions(mesh) @ _in_scene(obj).T
     edges, of_corners = compat.edge_vertices(mesh), compat.indices(mesh.loops, "edge_index")
     border, same = paint_maps.open_edges(edges, np.bincount(of_corners, minlength=len(edges)), positions,
                                          properties.group_of(obj).weld)
     if not len(border):
         raise UserError(f"{obj.name}: it has no open border to start from: paint it by hand")
     return paint_maps.border_distance(positions, same[edges], same[edges[border]], most)[same]
+
+
+def _in_scene(obj: bpy.types.Object) -> np.ndarray:
+    """(3, 3) float32 from its lengths to those of the scene. Where it is flattened now, it has the scale that its
+    wrinkles are made for. Raises UserError."""
+    world, scene = obj.matrix_world.to_3x3(), units.scene_of(obj)
+    if world.determinant() != 0.0:
+        return np.array(world, np.float32)
+    scale = units.metres_per_unit(obj, scene) / scene.unit_settings.scale_length
+    if scale == 0.0:
+        raise UserError(f"{obj.name}: its scale is zero, so lengths in metres have no meaning: give it one")
+    return np.eye(3, dtype=np.float32) * np.float32(scale)
 
 
 class OBJECT_OT_rumple_paint_from_texture(_WholeMap, bpy.types.Operator):

@@ -13,7 +13,9 @@ from ..translation import said
 def unshaded(obj: bpy.types.Object) -> list[str]:
     """A message about the first material that should draw the waves but cannot."""
     return [f"{obj.name}: the material \"{material.name}\" shows no waves, for its shader is inside of a node group: "
-            "connect a shader outside of it, or set Output to Geometry"
+            "connect a shader outside of it, or set Output to Geometry" if field_shader.has_shader_groups(material) else
+            f"{obj.name}: the material \"{material.name}\" shows no waves, for it has no shader that takes a normal: "
+            "connect a Principled BSDF, or set Output to Geometry"
             for material in field_shader.materials_of(obj) if not field_shader.shows_waves(material)][:1]
 
 

@@ -95,7 +95,7 @@ MESSAGES = tuple((re.compile(pattern), anchor) for pattern, anchor in (
     (r"pose .* every bone|to be the root|do not sum to 1|has no bone|has no shape key|the same value in every pose"
      r"|shape keys are absolute|cannot be set here: a driver|without .*: update it|was stretched or mirrored"
      r"|no armature deforms|is compared|does not come to where|it has no UV map \""
-     r"|its material .* is linked|has tiles"
+     r"|its material .* is linked|has tiles|lie outside of the first tile"
      r"|are compared|to be compared|reference pose|no vertex group|name of pose|cannot be read"
      r"|: expected|, .*: expected|has no name|are called", "reference-poses"),
     (r"^material |: its materials|no material|[Ww]rinkle map|Cycles bakes|UV map to bake|cannot be baked|the maps? "
