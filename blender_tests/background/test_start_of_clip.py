@@ -98,6 +98,22 @@ class FirstFrame(unittest.TestCase):
             sleeve.at(min(start, first) + 2)
             self.assertIn(JUMPED, runtimes.of(self.obj).unplayed)
 
+    def test_frames_before_it_say_that_they_hang(self) -> None:
+        """They hang, each by itself, and nothing said so. The shutter of the first frame opens half a frame before."""
+        self.opened(start=1)
+        for frame, subframe, hangs in ((0, 0.0, True), (-3, 0.0, True), (0, 0.5, False), (1, 0.0, False)):
+            sleeve.at(frame, subframe)
+            self.assertEqual(runtimes.of(self.obj).unplayed, f"Sleeve: frame {frame} is before frame 1, with which the "
+                             "clip begins, so its cloth hangs and does not swing: set Start of the scene to an earlier "
+                             "frame" if hangs else "", (frame, subframe))
+        bpy.context.scene.frame_start = -3
+        sleeve.play(-3, 0)
+        self.assertEqual(runtimes.of(self.obj).unplayed, "")
+        self.obj.rumple.mesh.base_cloth = "HANG"
+        bpy.context.scene.frame_start = 1
+        sleeve.at(-4)
+        self.assertEqual(runtimes.of(self.obj).unplayed, "")
+
     def test_a_bake_goes_on_from_its_frames_before_start(self) -> None:
         """Each of them was solved alone, and the cloth came to Start without having moved."""
         expected = self.baked(start=1, first=1)

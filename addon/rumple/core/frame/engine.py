@@ -108,7 +108,8 @@ class Wrinkles(SystemSteps):
         result = self.frame_cache.picture(cached, request.in_viewport, make) if is_kept else make()
         spent = dict(solve=1e3 * (found.seconds + solved - began), show=1e3 * (time.perf_counter() - solved))
         return replace(result, report=cached.report, replayed=replayed, milliseconds=spent,
-                       unplayed=request.settings.swings and found.before is None and not cached.final)
+                       unplayed=request.settings.swings and (found.before is None and not cached.final
+                                                             or request.frame <= request.start - 1))
 
     def _frame_input(self, request: FrameRequest) -> FrameInput:
         """The parts of the request that the result depends on."""
@@ -351,6 +352,9 @@ class Wrinkles(SystemSteps):
 
     def unplayed_message(self, frame: float, start: int) -> str:
         """The message for a result that is `unplayed`."""
+        if frame < start:  # not the shutter of the first frame
+            return (f"{self.name}: frame {frame:g} is before frame {start}, with which the clip begins, so its cloth "
+                    "hangs and does not swing: set Start of the scene to an earlier frame")
         return (f"{self.name}: frame {frame:g} was reached by a jump, so its cloth hangs and does not swing: play from "
                 f"frame {start}, or bake")
 

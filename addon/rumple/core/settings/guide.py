@@ -61,7 +61,7 @@ _GROUPS = {"mesh": "rumple_meshsettings", "field": "rumple_fieldsettings", "path
 # A pattern of a message -> the heading of the guide that says what to do. The first match counts.
 MESSAGES = tuple((re.compile(pattern), anchor) for pattern, anchor in (
     (r": unexpected ", "when-something-is-wrong"),
-    (r"worn over|its body|of its bodies|was reached by a jump|Step of the scene|Overwrite is off"
+    (r"worn over|its body|of its bodies|was reached by a jump|clip begins|Step of the scene|Overwrite is off"
      r"|linked from a file of an older Rumple"
      r"|fewer than two openings|taken for a body|its thickness is modelled|its ends are closed"
      r"|it is a sheet that the bone|all of its materials name|one bone moves it", "body-and-cloth"),
