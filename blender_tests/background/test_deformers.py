@@ -3,6 +3,8 @@
 Not Alembic: no Blender that the project is tested in reads it."""
 from __future__ import annotations
 
+import contextlib
+import io
 import struct
 import tempfile
 import unittest
@@ -11,7 +13,8 @@ from typing import Callable
 
 import bpy
 import numpy as np
-from rumple.blender.objects import runtimes
+from rumple.blender.frame import clip_status
+from rumple.blender.objects import runtimes, stack_notes
 from support import sleeve
 from support.arriving import Arriving
 
@@ -174,3 +177,84 @@ class WithPaths(Deformers):
 
 if __name__ == "__main__":
     unittest.main()
+
+
+class HeldByOthers(unittest.TestCase):
+    """Other objects that hold on to the points of a garment, which are other ones with wrinkles. Only a child of
+    vertices was said, and only by the first click."""
+
+    def setUp(self) -> None:
+        self.obj = sleeve.scene(wrinkles=False)
+        self.obj.rumple.mesh.density, self.obj.rumple.mesh.level, self.obj.rumple.mesh.display_steps = "LEVEL", 1, 0
+
+    def other(self, name: str) -> bpy.types.Object:
+        other = bpy.data.objects.new(name, bpy.data.meshes.new(name))
+        other.data.from_pydata([(0.3, 0.0, 0.07), (0.31, 0.0, 0.07), (0.31, 0.01, 0.07)], [], [(0, 1, 2)])
+        bpy.context.scene.collection.objects.link(other)
+        bpy.context.view_layer.update()
+        return other
+
+    def badge(self) -> bpy.types.Object:
+        """It is bound to the points that are shown now."""
+        badge = self.other("Badge")
+        badge.modifiers.new("Glue", "SURFACE_DEFORM").target = self.obj
+        self.toggle(badge)
+        return badge
+
+    def toggle(self, badge: bpy.types.Object) -> None:
+        """The button Bind or Unbind."""
+        sleeve.make_active(badge)
+        bpy.ops.object.surfacedeform_bind(modifier="Glue")
+        bpy.context.view_layer.update()
+
+    NOTE = 'Sleeve: the object "Badge" is bound to it by "Glue", and its vertices are other ones now: unbind that ' \
+           "modifier, and bind it again"
+
+    def test_what_was_bound_before_the_click_is_said_until_it_is_bound_again(self) -> None:
+        badge = self.badge()
+        self.assertIn(self.NOTE, sleeve.click(self.obj))
+        sleeve.play(1, 3)
+        self.assertEqual(stack_notes.of(self.obj), [self.NOTE])
+        for bound in (False, True):
+            self.toggle(badge)
+            self.assertEqual((badge.modifiers["Glue"].is_bound, stack_notes.of(self.obj)), (bound, []))
+        self.obj.rumple.mesh.level = 2
+        sleeve.play(4, 6)
+        self.assertEqual(stack_notes.of(self.obj), [self.NOTE])
+        printed = io.StringIO()
+        with contextlib.redirect_stdout(printed):
+            clip_status.check_before_render()
+        self.assertIn(self.NOTE, printed.getvalue())
+        sleeve.make_active(self.obj)
+        with contextlib.redirect_stdout(printed := io.StringIO()):
+            bpy.ops.object.rumple_remove()
+        self.assertIn(self.NOTE, printed.getvalue())
+
+    def test_waves_of_the_materials_keep_what_is_bound(self) -> None:
+        """The mesh keeps its vertices."""
+        self.badge()
+        self.assertNotIn("is bound to it", sleeve.click(self.obj, "FIELD"))
+        self.assertEqual(stack_notes.of(self.obj), [])
+
+    def test_children_of_vertices_are_said_whenever_they_are_made(self) -> None:
+        sleeve.click(self.obj)
+        for name, kind in (("Badge", "OBJECT"), ("Button", "VERTEX")):
+            child = self.other(name)
+            child.parent, child.parent_type = self.obj, kind
+        note = 'Sleeve: the object "Button" is parented to vertices of it, which are other ones now: give it a Copy ' \
+               "Location constraint with a vertex group in place of the parent"
+        self.assertEqual(stack_notes.of(self.obj), [note])
+        sleeve.play(1, 2)
+        self.assertEqual(sleeve.evaluated(bpy.data.objects["Button"]).matrix_world.translation.length, 0.0)
+
+    def test_children_on_its_faces_and_vertices_are_said(self) -> None:
+        self.other("Leaf").parent = self.obj
+        self.obj.instance_type = "FACES"
+        note = 'Sleeve: the object "Leaf" is instanced on its vertices or faces, of which the fine mesh has more: ' \
+               "let another object without wrinkles be its parent"
+        self.assertIn(note, sleeve.click(self.obj))
+        self.assertEqual(stack_notes.of(self.obj), [note])
+        self.obj.instance_type = "VERTS"
+        self.assertEqual(stack_notes.of(self.obj), [note])
+        self.obj.instance_type = "NONE"
+        self.assertEqual(stack_notes.of(self.obj), [])

@@ -184,16 +184,6 @@ class Stack(Arriving, unittest.TestCase):
         bpy.ops.ptcache.bake_all(bake=True)
         self.assertEqual(stack_notes.of(obj), [])
 
-    def test_what_is_parented_to_vertices_is_said(self) -> None:
-        obj = sleeve.scene(wrinkles=False)
-        for name, kind in (("Badge", "OBJECT"), ("Button", "VERTEX")):
-            child = bpy.data.objects.new(name, None)
-            bpy.context.scene.collection.objects.link(child)
-            child.parent, child.parent_type = obj, kind
-        self.assertEqual(stack_notes.of_children(obj), [
-            "Sleeve: the object \"Button\" is parented to vertices of it, which are other ones now: give it a Copy "
-            "Location constraint with a vertex group in place of the parent"])
-
     def test_every_system(self) -> None:
         for method in ("MESH", "FIELD", "PATHS"):
             self.check_only_message(self.garment(("SUBSURF", dict(levels=1, render_levels=1)), method=method))

@@ -166,6 +166,20 @@ class Meshes(FoldsCase):
             yield from self.settled()
             self.assertEqual(len(sleeve.shown(self.obj)), len(self.obj.data.vertices))
 
+    def test_what_is_bound_to_its_points_gets_the_fine_mesh(self) -> Iterator[float]:
+        """It was bound to points that were not shown any more, and stood still."""
+        yield from self.make(gpu_preview=False)
+        fine = sleeve.shown(self.obj)
+        badge = bpy.data.objects.new("Badge", bpy.data.meshes.new("Badge"))
+        badge.data.from_pydata([(0.2, 0.0, 0.07), (0.21, 0.0, 0.07), (0.21, 0.01, 0.07)], [], [(0, 1, 2)])
+        bpy.context.scene.collection.objects.link(badge)
+        badge.modifiers.new("Glue", "SURFACE_DEFORM").target = self.obj
+        self.obj.rumple.paths.gpu_preview = True
+        yield from self.settled(False)
+        np.testing.assert_array_equal(sleeve.shown(self.obj), fine)
+        badge.modifiers.clear()
+        yield from self.settled()
+
     def test_a_second_viewport_that_needs_the_fine_mesh_gets_it(self) -> Iterator[float]:
         yield from self.make()
         yield from self.settled()

@@ -12,8 +12,8 @@ from ...core.files import clip_file
 from ...core.files.clip_manifest import ClipFault, Manifest
 from ...core.settings.system_settings import SystemSettings
 from .. import compat, scheduler
-from ..objects import (bodies, clip_place, evaluator, incoming_mesh, mesh_reader, messages, modifier, posed_coarse,
-                       point_caches, properties, runtimes, stack_notes, units)
+from ..objects import (bodies, clip_place, evaluator, held_by_others, incoming_mesh, mesh_reader, messages, modifier,
+                       posed_coarse, point_caches, properties, runtimes, stack_notes, units)
 from ..objects.runtimes import Runtime
 from . import path_curves
 
@@ -301,5 +301,5 @@ def check_before_render() -> None:
             jumps = stack_notes.skipped_frames(obj) + stack_notes.resumed(obj)
             text = check(obj, output_obj) if modifier.is_baked(nodes_mod) else \
                 _not_made_yet(obj) or late_in_renders(obj) or next(iter(jumps), "")
-            for sentence in [text] * bool(text) + point_caches.notes(obj):
+            for sentence in [text] * bool(text) + held_by_others.notes(obj) + point_caches.notes(obj):
                 print(f"Rumple: before rendering: {sentence}")

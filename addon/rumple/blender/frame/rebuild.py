@@ -13,9 +13,9 @@ from ...core.mesh.shown_mesh import ShownMesh, ViewportMesh
 from .. import compat, scheduler
 from ..nodes import field_profile, field_shader, wrinkle_tree
 from ..nodes.output_flags import Flag, set_flag
-from ..objects import (applied_transforms, bodies, clip_range, duplicates, evaluator, incoming_mesh, kept_lists,
-                       mesh_reader, messages, modifier, output_mesh, own_mesh_place, rest_position, runtimes, units,
-                       viewport_mesh)
+from ..objects import (applied_transforms, bodies, clip_range, duplicates, evaluator, held_by_others, incoming_mesh,
+                       kept_lists, mesh_reader, messages, modifier, output_mesh, own_mesh_place, rest_position,
+                       runtimes, units, viewport_mesh)
 from ..objects.runtimes import Runtime
 from . import clip_status, path_curves
 
@@ -105,6 +105,7 @@ def _prepare(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier, runtime:
             one.update_tag()  # it may be unchanged, but this evaluator has solved nothing yet
     former_output, former_viewport = modifier.output_object(nodes_mod), modifier.viewport_output(nodes_mod)
     count = len(incoming_mesh.of(obj).vertices)
+    shown = count if former_output is None else len(former_output.data.vertices)
     filled = [_filled(former, fine, inherited) for former, fine in zip(
         (former_output, former_viewport), viewport_mesh.solved_for(nodes_mod, runtime.evaluator))]
     viewport_output = filled[1][0] if len(filled) == 2 else None
@@ -114,6 +115,8 @@ def _prepare(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier, runtime:
     modifier.set_output_object(nodes_mod, filled[0][0], count)
     modifier.set_viewport_output(nodes_mod, viewport_output)
     runtime.invalidate_output()
+    if len(filled[0][0].data.vertices) != shown:
+        held_by_others.note_other_points(obj)
     return True
 
 

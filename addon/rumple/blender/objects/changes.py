@@ -9,7 +9,8 @@ from ...core.systems.all_systems import SYSTEMS
 from .. import compat, scheduler
 from ..nodes import field_profile, wrinkle_tree
 from ..scheduler import LOCK
-from . import bodies, guide_curves, incoming_mesh, made_collections, modifier, output_mesh, rest_position, runtimes
+from . import (bodies, guide_curves, held_by_others, incoming_mesh, made_collections, modifier, output_mesh,
+               rest_position, runtimes)
 
 
 def settings_changed(obj: bpy.types.Object, affects: str, structural: bool) -> None:
@@ -84,6 +85,7 @@ def note_updates(depsgraph: bpy.types.Depsgraph) -> None:
             runtime = runtimes.known(obj)
             if runtime is None:
                 continue
+            held_by_others.note_updates(obj, runtime)
             if not scheduler.playing():
                 guide_curves.note_updates(obj, touched)
             bodies.note_updates(obj, touched)

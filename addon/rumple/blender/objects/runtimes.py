@@ -118,6 +118,7 @@ class Runtime(RuntimeBase):
     analyzed: Inputs | None = None  # ... and these are the last inputs
     asked_for_proxy: bool = False  # by the last redraw of the preview
     bake_note: str = ""  # the error of the baked clip, in any frame
+    lost_bound: list[tuple[str, str]] = field(default_factory=list)  # see held_by_others.py
     curve_points: int = 0  # the largest number of points that did not fit into its curves
     solving: float = 0.0  # seconds spent on solving in this call
     frame_seconds: float = 0.0  # duration of the last solved frame, including what comes before; 0: none

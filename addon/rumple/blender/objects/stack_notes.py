@@ -7,8 +7,8 @@ import os
 
 import bpy
 
-from . import (bodies, lost_maps, mesh_reader, modifier, point_caches, properties, runtimes, subdivision_behind,
-               units)
+from . import (bodies, held_by_others, lost_maps, mesh_reader, modifier, point_caches, properties, runtimes,
+               subdivision_behind, units)
 
 # Modifiers that pose or simulate a garment. Behind the wrinkles they do not affect the folds. Smooth, Shrinkwrap and
 # similar ones are allowed there.
@@ -23,11 +23,11 @@ def of(obj: bpy.types.Object) -> list[str]:
     if nodes_mod is None:
         return []
     if modifier.is_baked(nodes_mod):
-        return point_caches.notes(obj)
+        return held_by_others.notes(obj) + point_caches.notes(obj)
     return (lost_maps.renamed(obj) + _order(obj, nodes_mod) + _particles(obj, nodes_mod) + _armatures(obj) + _scale(obj)
             + _other_points_in_renders(obj, nodes_mod)
             + subdivision_behind.notes(obj, runtimes.of(obj).evaluator) + skipped_frames(obj) + _finer_bodies(obj)
-            + point_caches.notes(obj))
+            + held_by_others.notes(obj) + point_caches.notes(obj))
 
 
 def skipped_frames(obj: bpy.types.Object) -> list[str]:
@@ -65,14 +65,6 @@ def _are_stored(obj: bpy.types.Object, scene: bpy.types.Scene) -> bool:
     stored = [None if evaluator is None else evaluator.frame_cache.get(float(frame))
               for frame in range(scene.frame_start, scene.frame_end + 1, scene.frame_step)]
     return all(frame is not None and frame.final for frame in stored)
-
-
-def of_children(obj: bpy.types.Object) -> list[str]:
-    """About children of vertices: they move to the object's origin, because vertices of the fine mesh have no index in
-    the coarse one. This visits all objects, so only the first click calls it."""
-    return [f"{obj.name}: the object \"{child.name}\" is parented to vertices of it, which are other ones now: give it "
-            "a Copy Location constraint with a vertex group in place of the parent"
-            for child in obj.children if child.parent_type in ("VERTEX", "VERTEX_3")][:1]
 
 
 def _finer_bodies(obj: bpy.types.Object) -> list[str]:

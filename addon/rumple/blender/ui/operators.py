@@ -18,8 +18,8 @@ from ..first_click.set_up import set_up
 from ..frame import disk_frames, rebuild
 from ..maps import rebuild as maps_rebuild
 from ..nodes import field_shader, wrinkle_tree
-from ..objects import (bodies, incoming_mesh, modifier, posed_coarse, properties, runtimes, shared_mesh, stack_notes,
-                       subdivision_behind)
+from ..objects import (bodies, held_by_others, incoming_mesh, modifier, posed_coarse, properties, runtimes, shared_mesh,
+                       stack_notes, subdivision_behind)
 from ..translation import said
 from . import fabrics, thumbnails, wave_materials
 
@@ -238,7 +238,7 @@ class OBJECT_OT_rumple_add(bpy.types.Operator):
             self.preset = fabric
 
     def _report_notes(self, obj: bpy.types.Object, notes: list[str], warnings: list[str]) -> None:
-        for note in warnings + stack_notes.of(obj) + stack_notes.of_children(obj) + (
+        for note in warnings + stack_notes.of(obj) + (
                 wave_materials.unshaded(obj) if self.method == "FIELD" and self.shade else []):
             self.report({"WARNING"}, said(note))
         for note in notes:
@@ -268,7 +268,9 @@ class OBJECT_OT_rumple_remove(ui_base.OnWrinkled, bpy.types.Operator):
     bl_label = "Remove Wrinkles"
 
     def execute(self, context: bpy.types.Context) -> set[str]:
+        notes = held_by_others.after_removal(context.object)
         remove(context.object)
+        ui_base.warn(self, "; ".join(notes))
         return {"FINISHED"}
 
 

@@ -147,6 +147,8 @@ def uses_proxy(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier) -> boo
         return False
     if obj.rumple.method == "MESH" and not viewport_mesh.may_have_other_points(obj, nodes_mod):
         return False
+    if obj.rumple.method == "PATHS" and obj in viewport_mesh.targets():
+        return False  # something is bound to the points of the fine mesh
     on_gpu = _on_gpu.get(compat.session_key(obj))
     if on_gpu is not None and on_gpu.refusal:
         return False

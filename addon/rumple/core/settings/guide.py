@@ -71,6 +71,7 @@ MESSAGES = tuple((re.compile(pattern), anchor) for pattern, anchor in (
     (r"modifier \"|faces the other way|more faces than two|lies on another face|uses a vertex twice"
      r"|deforms the mesh|no valid position|scale is zero|the fine mesh would have|of the own mesh|has no room for"
      r"|rest wrinkle of|away from the origin|other vertices in renders|leaves no faces"
+     r"|is bound to it|is instanced on"
      r"|find their places|collides with it|parented to vertices|shows no waves|Use Limit Surface|has no faces"
      r"|differs by axes|so renders do not see|stand at one place|nothing to wrinkle|: seams: "
      r"|vertices without a face|meet only in a point|in units of the object|than can be counted|cannot be subdivided"
