@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import contextlib
 import io
+import os
+import tempfile
 import unittest
 
 import bpy
@@ -41,6 +43,49 @@ def garment() -> bpy.types.Object:
     obj = sleeve.scene(wrinkles=False)
     obj.rumple.mesh.density, obj.rumple.mesh.level, obj.rumple.mesh.display_steps = "LEVEL", 1, 0
     return obj
+
+
+class Edited(unittest.TestCase):
+    """The mesh under modifiers in front. The modifier was blamed for what the artist had edited; a baked garment showed
+    the bare mesh, and nothing was said."""
+
+    def edited(self, obj: bpy.types.Object, ring: int = sleeve.AROUND) -> None:
+        mesh = obj.data
+        faces = [tuple(face.vertices) for face in mesh.polygons][:-ring]
+        places = [vertex.co.copy() for vertex in mesh.vertices][:-ring]
+        mesh.clear_geometry()
+        mesh.from_pydata(places, [], faces)
+
+    def setUp(self) -> None:
+        self.obj = garment()
+        in_front(self.obj, "Above", "SUBSURF")
+        bpy.ops.object.rumple_add(method="MESH")
+        self.assertFalse(incoming_mesh.is_own(self.obj))
+        sleeve.play(1, 3)
+
+    def test_no_modifier_is_blamed(self) -> None:
+        self.edited(self.obj)
+        sleeve.play(4, 6)
+        self.assertEqual((self.obj.rumple.message, runtimes.of(self.obj).notes), ("", []))
+        self.assertGreater(len(sleeve.shown(self.obj)), len(incoming_mesh.of(self.obj).vertices))
+
+    def test_a_baked_one_shows_live_folds(self) -> None:
+        with tempfile.TemporaryDirectory() as folder:
+            bpy.ops.wm.save_as_mainfile(filepath=os.path.join(folder, "stack.blend"))
+            bpy.ops.object.rumple_bake()
+            for opened in (False, True):
+                if opened:
+                    bpy.ops.wm.open_mainfile(filepath=os.path.join(folder, "stack.blend"))
+                    self.obj = bpy.data.objects["Sleeve"]
+                else:
+                    bpy.ops.wm.save_mainfile()
+                sleeve.play(4, 5)
+                self.assertTrue(modifier.plays_clip(modifier.find(self.obj)))
+                self.edited(self.obj)
+                sleeve.play(6, 7)
+                self.assertRegex(self.obj.rumple.message, "were baked, so live folds are shown")
+                self.assertFalse(modifier.plays_clip(modifier.find(self.obj)))
+                self.assertGreater(len(sleeve.shown(self.obj)), len(incoming_mesh.of(self.obj).vertices))
 
 
 class Nodes(unittest.TestCase):

@@ -86,14 +86,15 @@ def _prepare(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier, runtime:
     if compat.is_editable(obj) and obj.rumple.method != method:
         obj.rumple.method = method  # the modifier is from Copy Modifiers or an older file
     own_mesh_place.keep(obj)
+    baked = modifier.is_baked(nodes_mod) and modifier.output_object(nodes_mod) is not None
+    changed = _take_incoming(obj, runtime) if not baked or _is_seen_edited(obj, runtime) else ""
     runtime.bake_note = ""
-    if modifier.is_baked(nodes_mod) and modifier.output_object(nodes_mod) is not None:
+    if baked:
         runtime.bake_note = clip_status.check(obj, modifier.output_object(nodes_mod))
         if not _is_edited(obj, nodes_mod):
             return False  # the clip depends on the unchanged output object
     if method == "FIELD":
         _update_profile(obj, runtime)
-    changed = _take_incoming(obj, runtime)
     applied_transforms.follow(obj)
     former = runtime.evaluator
     inherited = output_mesh.Inherited(obj, evaluator.source_of(obj))
@@ -120,10 +121,19 @@ def _prepare(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier, runtime:
     return True
 
 
+def _is_seen_edited(obj: bpy.types.Object, runtime: Runtime) -> bool:
+    """Whether its mesh or the modifiers in front are others than at the last look. At the first look this is not known:
+    while a file with many clips is opened, nothing is evaluated for them."""
+    seen, now = runtime.seen, (incoming_mesh.stack_fingerprint(obj), len(obj.data.vertices))
+    if seen.own_vertices < 0:
+        seen.stack, seen.own_vertices = now
+    return (seen.stack, seen.own_vertices) != now
+
+
 def _is_edited(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier) -> bool:
-    """Whether its mesh has another number of vertices than its output object was made for, so that nothing but live
-    folds can be shown."""
-    return incoming_mesh.is_own(obj) and len(obj.data.vertices) != modifier.coarse_vertices(nodes_mod)
+    """Whether another number of vertices arrives than its output object was made for, so that nothing but live folds
+    can be shown."""
+    return len(incoming_mesh.of(obj).vertices) != modifier.coarse_vertices(nodes_mod)
 
 
 def _filled(output_obj: bpy.types.Object | None, fine: ShownMesh,
@@ -145,8 +155,9 @@ def _take_incoming(obj: bpy.types.Object, runtime: Runtime) -> str:
     """Update the incoming mesh. Returns a message if it has other vertices although nobody edited it."""
     before, stack = len(incoming_mesh.of(obj).vertices), incoming_mesh.stack_fingerprint(obj)
     incoming_mesh.update(obj)
-    count, edited = len(incoming_mesh.of(obj).vertices), runtime.seen.stack != stack
-    runtime.seen.stack = stack
+    count, own, seen = len(incoming_mesh.of(obj).vertices), len(obj.data.vertices), runtime.seen
+    edited = seen.stack != stack or seen.own_vertices != own
+    seen.stack, seen.own_vertices = stack, own
     if count == before or edited or incoming_mesh.is_own(obj):
         return ""
     return (f"{obj.name}: the modifier \"{modifier.topology_changer_before(obj).name}\" above the wrinkles makes "

@@ -90,6 +90,7 @@ class Seen:
 
     scale: str = ""  # metres per object unit, at the last check of the fine mesh
     plain_scales: tuple = ()  # the values that `scale` depends on, at the last comparison
+    own_vertices: int = -1  # of the artist's mesh, when the incoming mesh was last made
     stack: str = ""  # fingerprint of the modifiers in front, when the incoming mesh was last made
     groups: list[str] | None = None  # names of the vertex groups at the last check of the output object
     guides: list[str] = field(default_factory=list)  # names of the guides at the last search
