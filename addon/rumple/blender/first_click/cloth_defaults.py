@@ -22,16 +22,20 @@ SIMULATED_DEFAULTS: dict[str, dict[str, Any]] = {
 CHOICES = ("base_cloth", "layers", "hem_rings", "up", "slack", "buckling_threshold", "threshold")  # not lengths
 
 
-def apply(obj: bpy.types.Object, scene: bpy.types.Scene, lengths: set[str], sheet: bool, closed: bool) -> None:
+def apply(obj: bpy.types.Object, scene: bpy.types.Scene, lengths: set[str], sheet: bool, closed: bool,
+          has_body: bool) -> None:
     """Make a skinned garment cloth, and give a simulated one layers, unless the artist has set one of the two. Other
     settings stay.
 
-    lengths: names of the lengths that nobody has set. sheet, closed: from is_sheet() and is_closed().
+    lengths: names of the lengths that nobody has set. sheet, closed: from is_sheet() and is_closed(). has_body: whether
+    a body is under most of it: then it is not cut wider than it is modelled.
     """
     settings = properties.group_of(obj)
     if any(name in properties.fields_of(obj) and settings.is_property_set(name) for name in ("base_cloth", "layers")):
         return
     values = defaults(obj, scene, sheet, closed)
+    if has_body:
+        values.pop("slack", None)  # on the hips the extra width would gather between the legs, in a knob
     free = lengths - ({"wavelength"} if getattr(settings, "density", "") == "LEVEL" else set())
     properties.apply_values(obj, scene, {name: value for name, value in values.items() if name in free or (
         name in CHOICES and not settings.is_property_set(name))})

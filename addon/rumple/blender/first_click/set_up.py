@@ -62,7 +62,7 @@ def _set_cloth(obj: bpy.types.Object, scene: bpy.types.Scene, lengths: set[str])
     is_sheet, closed = _shape_of(obj, scene, worn_over)
     refusal = _refusal(obj, scene, is_sheet, closed)
     if not refusal and _may_be_cloth(obj, worn_over):
-        cloth_defaults.apply(obj, scene, lengths, is_sheet, closed)
+        cloth_defaults.apply(obj, scene, lengths, is_sheet, closed, worn_over.share >= UNDER_MOST)
     if cloth_defaults.is_cloth(obj):
         if is_sheet and on_bone.bone_of(obj) is not None:
             worn_over.garments += [other for other in bone_sheets.beside(obj, worn_over)
@@ -86,6 +86,14 @@ def _may_be_cloth(obj: bpy.types.Object, worn_over: body_search.WornOver) -> boo
 def _is_painted(obj: bpy.types.Object, key: str) -> bool:
     painted = painted_maps.find(obj, key)
     return painted is not None and painted.exists
+
+
+def slack_of_cut(obj: bpy.types.Object, scene: bpy.types.Scene) -> dict[str, float]:
+    """The setting Slack if the first click would set it. Cost: for loose trousers that of body_search.find()."""
+    values = cloth_defaults.defaults(obj, scene)
+    if "slack" not in values or body_search.find(obj, scene).share >= UNDER_MOST:
+        return {}
+    return {"slack": values["slack"]}
 
 
 def becomes_cloth(obj: bpy.types.Object, scene: bpy.types.Scene) -> bool:

@@ -9,7 +9,7 @@ import bpy
 
 from ...core.settings.presets import Preset, touched
 from .. import ui_base
-from ..first_click import cloth_defaults
+from ..first_click.set_up import slack_of_cut
 from ..objects import properties
 from ..translation import said
 from . import thumbnails
@@ -46,9 +46,8 @@ def use(obj: bpy.types.Object, scene: bpy.types.Scene, name: str) -> None:
     chosen, former = system.presets[name], system.presets[settings.preset]
     restored, former_width = _taken_back(obj, former)
     now = {**vars(properties.settings_of(obj, scene)), **restored}
-    of_cut = {name: value for name, value in cloth_defaults.defaults(obj, scene).items() if name == "slack"}
-    properties.apply_values(obj, scene, {**restored, **properties.defaults(obj, touched(system.presets)), **of_cut,
-                                         **chosen.values, **chosen.replaced})
+    properties.apply_values(obj, scene, {**restored, **properties.defaults(obj, touched(system.presets)),
+                                         **slack_of_cut(obj, scene), **chosen.values, **chosen.replaced})
     replaced = {key: now[key] for key in chosen.replaced}
     settings.preset_replaced = json.dumps(replaced) if replaced else ""
     length = system.wrinkles.SUGGESTED
