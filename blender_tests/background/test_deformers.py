@@ -175,10 +175,6 @@ class WithPaths(Deformers):
     method = "PATHS"
 
 
-if __name__ == "__main__":
-    unittest.main()
-
-
 class HeldByOthers(unittest.TestCase):
     """Other objects that hold on to the points of a garment, which are other ones with wrinkles. Only a child of
     vertices was said, and only by the first click."""
@@ -258,3 +254,7 @@ class HeldByOthers(unittest.TestCase):
         self.assertEqual(stack_notes.of(self.obj), [note])
         self.obj.instance_type = "NONE"
         self.assertEqual(stack_notes.of(self.obj), [])
+
+
+if __name__ == "__main__":
+    unittest.main()

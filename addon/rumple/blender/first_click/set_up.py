@@ -62,7 +62,7 @@ def _set_cloth(obj: bpy.types.Object, scene: bpy.types.Scene, lengths: set[str])
     is_sheet, closed = _shape_of(obj, scene, worn_over)
     refusal = _refusal(obj, scene, is_sheet, closed)
     if not refusal and _may_be_cloth(obj, worn_over):
-        cloth_defaults.apply(obj, scene, lengths, is_sheet, closed, worn_over.share >= UNDER_MOST)
+        cloth_defaults.apply(obj, scene, lengths, is_sheet, closed, _has_body(worn_over))
     if cloth_defaults.is_cloth(obj):
         if is_sheet and on_bone.bone_of(obj) is not None:
             worn_over.garments += [other for other in bone_sheets.beside(obj, worn_over)
@@ -91,9 +91,16 @@ def _is_painted(obj: bpy.types.Object, key: str) -> bool:
 def slack_of_cut(obj: bpy.types.Object, scene: bpy.types.Scene) -> dict[str, float]:
     """The setting Slack if the first click would set it. Cost: for loose trousers that of body_search.find()."""
     values = cloth_defaults.defaults(obj, scene)
-    if "slack" not in values or body_search.find(obj, scene).share >= UNDER_MOST:
+    if "slack" not in values:
         return {}
-    return {"slack": values["slack"]}
+    with incoming_mesh.whole(body_search.candidates(obj, scene)):
+        has_body = _has_body(body_search.find(obj, scene))
+    return {} if has_body else {"slack": values["slack"]}
+
+
+def _has_body(worn_over: body_search.WornOver) -> bool:
+    """Whether a body is under most of a garment. Most figures are without skin under their clothes."""
+    return worn_over.share >= UNDER_MOST
 
 
 def becomes_cloth(obj: bpy.types.Object, scene: bpy.types.Scene) -> bool:
@@ -110,7 +117,7 @@ def becomes_cloth(obj: bpy.types.Object, scene: bpy.types.Scene) -> bool:
 def _shape_of(obj: bpy.types.Object, scene: bpy.types.Scene, worn_over: body_search.WornOver) -> tuple[bool, bool]:
     """Whether a garment is a sheet, and whether its ends are closed."""
     is_sheet = cloth_defaults.is_sheet(obj, worn_over.body) or bone_sheets.is_one(obj, scene)
-    closed = not is_sheet and worn_over.share < UNDER_MOST and cloth_defaults.is_closed(obj, scene)
+    closed = not is_sheet and not _has_body(worn_over) and cloth_defaults.is_closed(obj, scene)
     return is_sheet, closed
 
 

@@ -31,7 +31,8 @@ def find(base: BaseMesh, surface: Any, weld: bool) -> OuterSide | None:
     if not _is_thin(base):
         return None
     polygons, thickness = base.once(f"outer_side {weld}",
-                                    lambda: kernels.outer_side(surface, len(base.polygon_start) - 1))
+                                    lambda: kernels.outer_side(surface, len(base.polygon_start) - 1),
+                                    base.crease_edge, base.crease_sharpness)
     if not thickness:
         return None
     mesh = base.only(polygons)

@@ -42,7 +42,7 @@ CLOTH_WAVELENGTH, SKIRT_WAVELENGTH = 0.04, 0.14
 # finest folds of a sheet like a scarf: least width; width / diagonal (at most a skirt's)
 SHEET_WAVELENGTH, SHEET_FOLDS = 0.07, 0.1
 # Loose legs of trousers are cut this much wider than they are modelled: so they have folds while the figure stands, and
-# nearly as high ones as a simulation where it moves (docs/cloth_measured.md).
+# nearly as high ones as a simulation where it moves (docs/garments.md, Loose trousers).
 LOOSE_LEGS_SLACK = 1.05
 LEAST_OPENINGS = 2  # least number of openings of a garment; a head has one
 
