@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "systems/wrinkle_mesh/bounds.h"
+#include "systems/wrinkle_mesh/pose.h"
 #include "tests/contact_bodies.h"
 #include "tests/meshes.h"
 #include "tests/wrinkle_mesh_stack.h"
@@ -226,6 +227,55 @@ TEST(WrinkleMeshBody, ClothThatLiesOnABodyHasNothingToSpareUntilItIsPressedToget
     flat.radius = 0.0f;
     const Pose3 unfolded = stack.solve({squeezed}, alike(stack.count(), flat)).solved;
     EXPECT_GT(apart(solved(squeezed, 0.0f, 0, 1.0f), unfolded), 1e-3f);
+}
+
+// Fabrics that are cut wide had a knob between the legs: cloth that fits the hips had all of the extra width
+// a few centimetres below.
+TEST(WrinkleMeshBody, ExtraWidthRisesSlowlyBesideClothThatLiesOnABody) {
+    const Stack stack(grid(8, 4, 0.1f), 0);
+    const Body body = body_of(grid(8, 4, 0.1f));
+    const Collider collider = body.collider();
+    const PosedCollider posed(collider, body.positions);
+    const Pose3& rest = stack.mesh.positions;
+    std::vector<float> gaps(rest.size());
+    for (size_t v = 0; v < rest.size(); ++v) gaps[v] = rest[v].x - rest[0].x < 0.05f ? 0.0f : 0.05f;
+    const std::vector<Index> hints(rest.size(), 0);
+    Input input{rest};
+    input.gap = gaps;
+    input.bodies = &posed;
+    input.body_hint = hints;
+    input.thickness = 0.002f;
+    const std::vector<float> share = share_to_spare(stack.layers->base, input, 0.4f);
+    const std::vector<float> at_once = share_to_spare(stack.layers->base, input, 0.0f);
+    for (size_t v = 0; v < rest.size(); ++v) {
+        const float from_touch = rest[v].x - rest[0].x;
+        EXPECT_NEAR(share[v], std::min(from_touch / 0.4f, 1.0f), 1e-6f);
+        EXPECT_EQ(at_once[v], from_touch < 0.05f ? 0.0f : 1.0f);
+    }
+
+    std::vector<Settings> layers(2);
+    layers[0].bend_radius = 0.2f;
+    layers[1].prestretch = 1.14f;
+    EXPECT_NEAR(length_to_spare(layers), 0.4f, 1e-6f);  // 7 % over every bend radius
+    layers[0].bend_radius = 0.0f;
+    EXPECT_EQ(length_to_spare(layers), 0.0f);
+    layers[0].bend_radius = 0.2f;
+    layers[1].prestretch = 0.9f;
+    EXPECT_EQ(length_to_spare(layers), 0.0f);
+
+    // The layers use it: beside cloth that lies on the body they change less.
+    const auto changed = [&](float bend_radius) {
+        Settings settings;
+        settings.bend_radius = bend_radius;
+        const Pose3 as_cut = stack.solve(input, alike(stack.count(), settings)).solved;
+        settings.prestretch = 1.01f;
+        const Pose3 wide = stack.solve(input, alike(stack.count(), settings)).solved;
+        float sum = 0.0f;
+        for (size_t v = 0; v < rest.size(); ++v)
+            if (rest[v].x - rest[0].x < 0.15f) sum += glm::distance(wide[v], as_cut[v]);
+        return sum;
+    };
+    EXPECT_LT(changed(2.8f), 0.7f * changed(0.0f));
 }
 
 // Hips of trousers had the wide folds of their legs. A wide fold has no room where cloth touches what is

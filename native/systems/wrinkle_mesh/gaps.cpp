@@ -13,6 +13,11 @@ namespace {
 // available for folds.
 constexpr float kRoomToSpare = 3.0f;
 
+// Largest rise of the extra width, as a share of the length, over one Settings::bend_radius. All of it beside
+// cloth that lies on a body would stand out as a knob, as between the legs of trousers that fit the hips. By
+// the eye, for fabrics from silk to leather.
+constexpr float kSteepestSpare = 0.07f;
+
 // Unit: fine edges. A body is searched within this distance around a vertex.
 constexpr float kBodyReach = 2.0f;
 
@@ -79,6 +84,23 @@ void move_out(const Input& input, Pose& pose) {
     });
 }
 
+// Lowers shares so that they rise by at most 1 over this length along the edges at rest.
+void rise_over(const Surface& base, float length, std::span<float> share) {
+    for (bool lowered = true; lowered;) {
+        lowered = false;
+        for (const Edge& edge : base.edges) {
+            float& a = share[edge.a];
+            float& b = share[edge.b];
+            if (a == b) continue;
+            const float rise =
+                glm::distance(base.positions_rest[edge.a], base.positions_rest[edge.b]) / length;
+            lowered = lowered || a > b + rise || b > a + rise;
+            a = std::min(a, b + rise);
+            b = std::min(b, a + rise);
+        }
+    }
+}
+
 }  // namespace
 
 void find_gaps(const Model& model, const Input& input, Pose& pose) {
@@ -99,13 +121,25 @@ void find_gaps(const Model& model, const Input& input, Pose& pose) {
     move_out(input, pose);
 }
 
-std::vector<float> share_to_spare(const Input& input) {
+std::vector<float> share_to_spare(const Surface& base, const Input& input, float length) {
     if (!input.bodies || input.gap.empty()) return {};
     const float room = std::max(kRoomToSpare * input.thickness, kShortestEdge);
-    std::vector<float> share(input.gap.size(), 1.0f);
-    for (size_t v = 0; v < share.size(); ++v)
-        if (input.body_hint[v] != kNone) share[v] = smooth_step(0.0f, room, input.gap[v]);
-    return share;
+    std::vector<float> share(base.welded.vertex_count, 1.0f);
+    for (size_t v = 0; v < input.gap.size(); ++v) {
+        if (input.body_hint[v] == kNone) continue;
+        float& of_welded = share[base.welded_of[v]];
+        of_welded = std::min(of_welded, smooth_step(0.0f, room, input.gap[v]));
+    }
+    if (length > 0.0f) rise_over(base, length, share);
+    std::vector<float> out(input.gap.size());
+    for (size_t v = 0; v < out.size(); ++v) out[v] = share[base.welded_of[v]];
+    return out;
+}
+
+float length_to_spare(std::span<const Settings> layers) {
+    float excess = 0.0f;
+    for (const Settings& of_layer : layers) excess = std::max(excess, of_layer.prestretch - 1.0f);
+    return excess / kSteepestSpare * layers[0].bend_radius;
 }
 
 }  // namespace rumple::wrinkle_mesh

@@ -47,10 +47,13 @@ std::vector<Vec3> unwrinkled_over(const Layers& layers, std::span<const Vec3> ba
 // vertices of each layer.
 class BaseWithoutFolds {
   public:
-    // Throws InvalidInput if positions do not match the base. radius: Settings::bend_radius.
-    BaseWithoutFolds(const Layers& layers, const Input& input, float radius, const GuideLines* guide)
-        : positions_(input.positions.begin(), input.positions.end()), to_spare_(share_to_spare(input)) {
+    // Throws InvalidInput if positions do not match the base.
+    BaseWithoutFolds(const Layers& layers, std::span<const Settings> settings, const Input& input,
+                     const GuideLines* guide)
+        : positions_(input.positions.begin(), input.positions.end()),
+          to_spare_(share_to_spare(layers.base, input, length_to_spare(settings))) {
         const Surface& base = layers.base;
+        const float radius = settings[0].bend_radius;
         check_frame(base, positions_);
         if (radius <= 0.0f && !guide) return;
         const std::vector<Vec3> welded = weld_positions(base, positions_);
@@ -329,7 +332,7 @@ LayersState solve(const Layers& layers, std::span<const Settings> settings, std:
     const SolveTeam team = team_for(*layers.layers.back(), most_threads(settings));
     LayersState out;
     LayerInput layer_input(input);
-    BaseWithoutFolds without_folds(layers, input, settings[0].bend_radius, paint[0].guide.get());
+    BaseWithoutFolds without_folds(layers, settings, input, paint[0].guide.get());
     PaintOfHems of_hems(layers.base, layers.hems, input.positions, layers.layers.size());
     NothingInReach of_cloth, of_bodies;
     for (size_t k = 0; k < layers.layers.size(); ++k) {

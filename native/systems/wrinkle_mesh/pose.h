@@ -61,8 +61,12 @@ Pose make_pose(const Model& model, const Input& input);
 void find_gaps(const Model& model, const Input& input, Pose& pose);
 
 // Pose::to_spare at the base's vertices. If cloth lies on a known body, its width is the width of the body,
-// and the extra width hangs where there is room. Empty without bodies.
-std::vector<float> share_to_spare(const Input& input);
+// and the extra width hangs where there is room. length: the shortest distance over which the share rises
+// from 0 to 1, object units; 0: it may rise at once. Empty without bodies. Cost: O(edges), a few times.
+std::vector<float> share_to_spare(const Surface& base, const Input& input, float length);
+
+// The length for share_to_spare(): the more extra width the layers have, the longer. 0 without a bend_radius.
+float length_to_spare(std::span<const Settings> layers);
 
 // The pose of a single mesh with the painted directions; none without painted directions.
 std::optional<Pose> guided_pose(const Model& model, const Paint& paint, const Pose& pose);

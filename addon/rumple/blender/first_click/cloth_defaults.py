@@ -35,7 +35,7 @@ def apply(obj: bpy.types.Object, scene: bpy.types.Scene, lengths: set[str], shee
         return
     values = defaults(obj, scene, sheet, closed)
     if has_body:
-        values.pop("slack", None)  # on the hips the extra width would gather between the legs, in a knob
+        values.pop("slack", None)  # a simulation of legs over a body is smooth too while the figure stands
     free = lengths - ({"wavelength"} if getattr(settings, "density", "") == "LEVEL" else set())
     properties.apply_values(obj, scene, {name: value for name, value in values.items() if name in free or (
         name in CHOICES and not settings.is_property_set(name))})
