@@ -58,6 +58,20 @@ TEST(BaseClothUntangle, WhatTheAnimationHasTurnedStays) {
     EXPECT_EQ(untangled(tangled.surface, tangled.cloth, tangled.cloth), tangled.cloth);
 }
 
+// A sweater whose skinning tears at the armpits had spikes there, longer than in the animation.
+TEST(BaseClothUntangle, APointThatSticksOutOfTheAnimationIsNoGuide) {
+    const Tangled tangled;
+    Points torn = tangled.sheet.positions;
+    for (Vec3& p : torn)
+        if (std::lround(p.x / kSide) == 3 && std::lround(p.y / kSide) == 2) p.z += 10.0f * kSide;
+    const Points out = untangled(tangled.surface, torn, tangled.cloth);
+    EXPECT_NE(out, tangled.cloth);  // the rest of the columns is opened
+    for (const Edge& edge : tangled.surface.edges) {
+        const auto length = [&](const Points& p) { return glm::distance(p[edge.a], p[edge.b]); };
+        EXPECT_LE(length(out), std::max(2.0f * kSide, length(tangled.cloth)) + 1e-6f);
+    }
+}
+
 TEST(BaseClothUntangle, WhatDoesNotFitIsNamed) {
     const Tangled tangled;
     const Points few(3);

@@ -1,11 +1,17 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "surface/cloth/untangle.h"
 
+#include <algorithm>
+
 #include "surface/mesh/normals.h"
 #include "surface/mesh/positions.h"
 
 namespace rumple {
 namespace {
+
+// Length / rest length. Where skinning tears the animation, a point may stick out of it by many edges. The
+// cloth has drawn it in, and the displacement around it would put it back.
+constexpr float kMostStretched = 2.0f;
 
 // Per triangle: whether it faces away from the surface around it, which is that of its vertices and their
 // neighbours.
@@ -54,6 +60,26 @@ void smooth_displacements(const Surface& surface, const std::vector<bool>& chose
         if (chosen[v] && count[v] > 0.0f) displacement[v] = sum[v] / count[v];
 }
 
+// Puts moved vertices back into the cloth where an edge has become longer than kMostStretched and than in the
+// cloth.
+void put_back_stretched(const Surface& surface, std::span<const Vec3> cloth, std::vector<Vec3>& at,
+                        std::vector<bool>& moved) {
+    for (bool again = true; again;) {
+        again = false;
+        for (const Edge& edge : surface.edges) {
+            const auto length = [&](std::span<const Vec3> p) { return glm::distance(p[edge.a], p[edge.b]); };
+            if (!moved[edge.a] && !moved[edge.b]) continue;
+            if (length(at) <= std::max(kMostStretched * length(surface.positions_rest), length(cloth)))
+                continue;
+            for (const Index v : {edge.a, edge.b}) {
+                at[v] = cloth[v];
+                moved[v] = false;
+            }
+            again = true;
+        }
+    }
+}
+
 }  // namespace
 
 std::vector<Vec3> untangled(const Surface& surface, std::span<const Vec3> animated,
@@ -61,7 +87,8 @@ std::vector<Vec3> untangled(const Surface& surface, std::span<const Vec3> animat
     check_frame(surface, animated, "animated");
     check_frame(surface, positions);
     const std::vector<Vec3> from = weld_positions(surface, animated);
-    std::vector<Vec3> at = weld_positions(surface, positions), displacement(at.size());
+    const std::vector<Vec3> cloth = weld_positions(surface, positions);
+    std::vector<Vec3> at = cloth, displacement(at.size());
     for (size_t v = 0; v < at.size(); ++v) displacement[v] = at[v] - from[v];
     const std::vector<bool> in_animation = turned_over(surface, from);
     std::vector<bool> moved(at.size(), false);
@@ -76,6 +103,7 @@ std::vector<Vec3> untangled(const Surface& surface, std::span<const Vec3> animat
             moved[v] = true;
         }
     }
+    put_back_stretched(surface, cloth, at, moved);
     std::vector<Vec3> out(positions.begin(), positions.end());
     for (size_t v = 0; v < out.size(); ++v)
         if (moved[surface.welded_of[v]]) out[v] = at[surface.welded_of[v]];
