@@ -251,6 +251,24 @@ TEST(BaseClothExact, ASheetSlidesFartherThanItsRoom) {
     EXPECT_EQ(farthest(garment.solve(s, mesh.positions).positions, mesh.positions), 0.0f);
 }
 
+// Vertices without room were free while the others were solved, and put back at the end.
+TEST(BaseClothExact, WhatHasNoRoomHoldsLikeAPin) {
+    const MeshData mesh = grid(6, 5, 0.05f);
+    const Garment garment(mesh);
+    Settings s;
+    s.gravity = Vec3(0.0f, 0.0f, -9.81f);
+    Paint no_room, pinned;
+    for (const Vec3& p : mesh.positions) {
+        no_room.room.push_back(p.x < 0.12f ? 0.0f : 1.0f);
+        pinned.follow.push_back(p.x < 0.12f ? 1.0f : 0.0f);
+    }
+    Result held, as_pinned;
+    garment.settle(s, mesh.positions, held, no_room);
+    garment.settle(s, mesh.positions, as_pinned, pinned);
+    EXPECT_LT(farthest(held.positions, as_pinned.positions), 1e-5f);
+    EXPECT_GT(farthest(held.positions, mesh.positions), 0.002f);
+}
+
 // A sheet on a slope of the angle a, every vertex alike. It is pressed on by N = g cos a, less what the pull
 // back carries, and slides by d: F d (1 + 15 (d / R)^4) + mu N f(d) = g sin a, f(d) = (2 - d / e) d / e up to
 // e, a sixth of the room R, and 1 beyond.

@@ -106,6 +106,7 @@ struct Model {
     Hems hems;
     std::vector<NearHem> near_hems;  // per vertex
     std::vector<HemOverlap> hem_overlaps;
+    std::vector<bool> tucked;     // per vertex: whether it is on a border under another part
     std::vector<float> hem_room;  // room_over_parts() at rest
 };
 std::shared_ptr<const Model> build(Surface surface);

@@ -206,6 +206,9 @@ std::shared_ptr<const Model> build(Surface surface) {
     model->near_hems = find_near_hems(model->surface, model->hems);
     model->hem_overlaps = find_hem_overlaps(model->surface, model->hems, model->overlaps);
     const std::vector<Vec3>& rest = model->surface.positions_rest;
+    model->tucked.assign(rest.size(), false);
+    for (const HemOverlap& overlap : model->hem_overlaps)
+        for (const Index v : overlap.border) model->tucked[v] = true;
     model->hem_room = room_over_parts(model->surface, model->hems, model->hem_overlaps, rest,
                                       vertex_normals(model->surface, rest));
     return model;

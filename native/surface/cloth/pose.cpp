@@ -41,15 +41,16 @@ float share_of_curvature(const Settings& settings, float curvature) {
     return std::max(tight * tight * tight * tight, settings.flat_share);
 }
 
-// Per vertex, 0..1: how much it or the hem near it is pinned. What hangs free of the body has bones of its
-// own.
+// Per vertex, 0..1: how much it or the hem near it is held: pinned, or tucked under another part. What hangs
+// free of the body has bones of its own.
 std::vector<float> find_held(const Model& model, const Paint& paint, std::span<const float> room_factor) {
     const auto pinned = [&](Index v) { return painted(paint.follow, model.surface.representative[v], 0.0f); };
     std::vector<float> out;
     for (Index v = 0; v < static_cast<Index>(room_factor.size()); ++v) {
         const Index hem = model.near_hems[v].vertex;
         const bool is_free = room_factor[v] > 1.0f;
-        out.push_back(hem == kNone || is_free ? 1.0f : std::max(pinned(v), pinned(hem)));
+        const bool is_held = hem == kNone || is_free || model.tucked[hem];
+        out.push_back(is_held ? 1.0f : std::max(pinned(v), pinned(hem)));
     }
     return out;
 }
@@ -133,6 +134,7 @@ void place_room(const Model& model, const Settings& settings, const Paint& paint
         const float room = std::min(settings.room * factor, hem_room[v]),
                     slide = std::min(settings.slide_room * std::min(factor, 1.0f), hem_room[v]);
         pose.room.push_back(room);
+        if (room == 0.0f) pose.follow[v] = kPinned;  // no wall stands around a room of no size
         // A loose vertex has no surface to slide along; what has no room at all stays.
         const bool slides = room > 0.0f && slide > room && pose.normal[v] != Vec3(0.0f);
         pose.slide_share.push_back(slides ? room / slide : 1.0f);
