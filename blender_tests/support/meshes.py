@@ -26,6 +26,19 @@ def tube(around: int, along: int, radius: float = 0.05, length: float = 0.3) -> 
     return quad_mesh("Tube", positions, np.stack([a, b, b + around, a + around], 1))
 
 
+def thick_tube(around: int, along: int, radius: float, length: float, thickness: float) -> BaseMesh:
+    """A tube along z, and another one in it, turned, joined at both ends. The vertices of the outer one come first."""
+    outer = tube(around, along, radius, length)
+    inner = outer.positions * np.array(((radius - thickness) / radius,) * 2 + (1.0,))
+    quads, count = outer.corner_vertex.reshape(-1, 4), len(outer.positions)
+    first = np.arange(around)
+    following, last = np.roll(first, -1), count - around
+    rims = (np.stack([following, first, first + count, following + count], 1),
+            np.stack([first + last, following + last, following + last + count, first + last + count], 1))
+    return quad_mesh("Thick Tube", np.concatenate([outer.positions, inner]),
+                     np.concatenate([quads, quads[:, ::-1] + count, *rims]))
+
+
 def quad_mesh(name: str, positions: np.ndarray, quads: np.ndarray) -> BaseMesh:
     """A mesh of quads, each cut along its first diagonal."""
     corner = 4 * np.arange(len(quads))[:, None]

@@ -35,6 +35,8 @@ KINDS: dict[str, tuple[str, Any]] = {
     "layers": ("MESH", LAYERED), "layers that hang": ("MESH", replace(LAYERED, **HANG)),
     "layers that swing": ("MESH", replace(LAYERED, **SWING)),
     "on a dense mesh": ("MESH", replace(MeshSettings(), layers="CLOTH", **HANG)),
+    "field on a dense mesh": ("FIELD", replace(FIELD, detail=1, **SWING)),
+    "paths on a dense mesh": ("PATHS", replace(PATHS, drape=1.0, detail=1, **HANG)),
     "field": ("FIELD", FIELD), "adaptive field": ("FIELD", replace(FIELD, rest_shape="ADAPTIVE")),
     "draped field": ("FIELD", replace(FIELD, drape=1.0, **HANG)), "paths": ("PATHS", PATHS),
     "draped paths": ("PATHS", replace(PATHS, drape=1.0, **SWING))}
@@ -225,6 +227,20 @@ class Checkpoints(unittest.TestCase):
             left_out = {other: array for other, array in checkpoint.arrays.items() if other != f"swing/{name}"}
             with self.assertRaises(CannotGoOn):
                 Checkpoint(0, left_out).restored(fine)
+
+    def test_cloth_that_was_carried_is_only_of_a_garment_as_dense(self) -> None:
+        played, other = Played("field on a dense mesh"), Played("draped field")
+        checkpoint, _ = played.kept()
+        good = checkpoint.arrays["coarse/solved"]
+        for what, wrong in (("another mesh", good[:-1]), ("not finite", good * np.nan), ("text", np.array("text"))):
+            with self.subTest(what), self.assertRaisesRegex(CannotGoOn, "solved"):
+                Checkpoint(0, {**checkpoint.arrays, "coarse/solved": np.ascontiguousarray(wrong)}).restored(
+                    played.build())
+        for fine, arrays in ((other.build(), checkpoint.arrays),
+                             (played.build(), {name: array for name, array in checkpoint.arrays.items()
+                                               if name != "coarse/solved"})):
+            with self.assertRaises(CannotGoOn):
+                Checkpoint(0, arrays).restored(fine)
 
     def test_hints_of_another_mesh_are_refused(self) -> None:
         wrong = Played("layers that hang").kept()[0]

@@ -15,23 +15,14 @@ from rumple.core.settings.system_settings import MeshSettings
 from rumple.core.systems.wrinkle_mesh import WrinkleMesh, cloth_defaults, suits_cloth
 from rumple.native import kernels
 from support.frames import solve_frame
-from support.meshes import quad_mesh, tube
+from support.meshes import thick_tube, tube
 
 AROUND, ALONG, RADIUS, LENGTH, THICKNESS = 21, 17, 0.1, 0.5, 0.004
 OUTER = AROUND * (ALONG + 1)  # vertices of one side
 
 
 def thick_sleeve() -> BaseMesh:
-    """A tube along z, and another one in it, turned, joined at both ends."""
-    sleeve = tube(AROUND, ALONG, RADIUS, LENGTH)
-    inner = sleeve.positions * np.array(((RADIUS - THICKNESS) / RADIUS,) * 2 + (1.0,))
-    quads = sleeve.corner_vertex.reshape(-1, 4)
-    first = np.arange(AROUND)
-    following, last = np.roll(first, -1), OUTER - AROUND
-    rims = (np.stack([following, first, first + OUTER, following + OUTER], 1),
-            np.stack([first + last, following + last, following + last + OUTER, first + last + OUTER], 1))
-    return quad_mesh("Sleeve", np.concatenate([sleeve.positions, inner]),
-                     np.concatenate([quads, quads[:, ::-1] + OUTER, *rims]))
+    return thick_tube(AROUND, ALONG, RADIUS, LENGTH, THICKNESS)
 
 
 def pushed_together(base: BaseMesh, factor: float) -> np.ndarray:

@@ -60,11 +60,13 @@ class ClothFrame:
     report: kernels.BaseClothReport | None  # None: it was read from a file
     swing_input: "SwingInput | None" = None  # of cloth that swings
     drape: kernels.WrinkleLayersState | None = None  # state of the wide folds, which the positions include: drape.py
+    # (m, 3) float32, object space: the positions of the coarse mesh that it was solved on; None: of these vertices
+    solved: np.ndarray | None = None
 
     @property
     def nbytes(self) -> int:
-        drape = self.drape.nbytes if self.drape is not None else 0
-        return self.positions.nbytes + self.gap.nbytes + self.body_hint.nbytes + self.state.nbytes + drape
+        more = sum(part.nbytes for part in (self.drape, self.solved) if part is not None)
+        return self.positions.nbytes + self.gap.nbytes + self.body_hint.nbytes + self.state.nbytes + more
 
     def activated(self) -> "ClothFrame | None":
         """The frame to start from after settings changed. None: hanging cloth starts anew. Swinging cloth keeps its
@@ -176,7 +178,7 @@ class BaseCloth:
         if not given.surroundings.fields:
             return None
         if before is not None and before.swing_input is not None:
-            positions, at = before.positions, before.swing_input
+            positions, at = before.positions if before.solved is None else before.solved, before.swing_input
         else:
             positions, at = given.positions, now
         in_world = transforms.turned(at.world_from_object, positions) + at.location

@@ -3,7 +3,7 @@
 for. Never imports bpy."""
 from __future__ import annotations
 
-from dataclasses import fields
+from dataclasses import fields, replace
 from typing import Any, Callable
 
 import numpy as np
@@ -15,6 +15,7 @@ from ..paint.hangs_free import FREE
 from ..paint.keep_smooth import SMOOTH, share_of_folds
 from ..settings.cloth_settings import ClothSettings
 from .base_cloth import BaseCloth, ClothFrame, ClothInput
+from .carried_cloth import CarriedCloth, painted_on
 from .drape import Drape
 
 PAINTED = ("follow", "room", FREE, SMOOTH)  # the paint of the base cloth itself
@@ -25,10 +26,14 @@ class DrapedCloth:
     outside of the body. It gets and returns frames. The last frame without one before it is kept, because a brush or a
     slider that changes only the wrinkles needs the same base cloth again."""
 
-    def __init__(self, surface: Any, diagonal: float, unit_scale: float,
-                 suggest: Callable[[str], np.ndarray] | None = None, inner: float = 0.0, figure: float = 0.0) -> None:
-        """Arguments as in BaseCloth()."""
-        self.cloth = BaseCloth(surface, diagonal, unit_scale, suggest, inner, figure)
+    def __init__(self, surface: Any, diagonal: float, unit_scale: float, suggest: Callable[[str], np.ndarray],
+                 inner: float = 0.0, figure: float = 0.0, coarse: Any = None) -> None:
+        """coarse: native, the coarse mesh that the base cloth and the drape are solved on; None: the surface. The other
+        arguments are those of BaseCloth()."""
+        self.surface, self.coarse = surface, coarse
+        self.cloth = BaseCloth(surface if coarse is None else coarse.surface, diagonal, unit_scale,
+                               suggest if coarse is None else lambda up: painted_on(coarse, suggest(up)), inner, figure)
+        self._carried: CarriedCloth | None = None
         self._cover: Any = None
         self._drape: Drape | None = None
         self._begun: tuple[bytes, ClothFrame] | None = None  # digest of what it was solved from
@@ -37,6 +42,8 @@ class DrapedCloth:
               before: ClothFrame | None, covers: bool) -> ClothFrame:
         """Solve one frame. Arguments as in BaseCloth.solve(). covers: also keep the smooth surface of the cloth off the
         body, for systems that do not handle bodies. Raises ValueError."""
+        if before is not None and (before.solved is None) != (self.coarse is None):
+            before = None  # it was solved on the other vertices, because Base Cloth was switched off or on
         if before is not None:
             return self._solve(settings, paint, given, before, covers)
         digest = _digest_of_start(settings, paint, given, covers)
@@ -47,16 +54,31 @@ class DrapedCloth:
     def _solve(self, settings: ClothSettings, paint: dict[str, np.ndarray], given: ClothInput,
                before: ClothFrame | None, covers: bool) -> ClothFrame:
         """Like solve(), without the kept frame."""
-        frame = self.cloth.solve(settings, paint, given, before)
+        if self.coarse is not None:
+            frame = self._solve_coarse(self.coarse, settings, paint, given, before)
+        else:
+            frame = self.cloth.solve(settings, paint, given, before)
         body, smooth = given.body, paint.get(SMOOTH)
-        if settings.draped:
+        if settings.draped and self.coarse is None:
             self.drape.add_to(frame, settings, given.world_from_object, before.drape if before is not None else None,
                               self.contact(frame, settings, body), smooth)
         if covers:
-            frame.positions = kernels.untangle_cloth(self.cloth.surface, given.positions, frame.positions)
+            frame.positions = kernels.untangle_cloth(self.surface, given.positions, frame.positions)
         if (covers or smooth is not None) and body is not None and len(body.triangles):
             self._lift(frame, settings, body, None if covers else smooth)
         return frame
+
+    def _solve_coarse(self, coarse: Any, settings: ClothSettings, paint: dict[str, np.ndarray], given: ClothInput,
+                      before: ClothFrame | None) -> ClothFrame:
+        """The base cloth with its drape, solved on the coarse mesh and carried to the surface. The drape is solved even
+        if it has no height, because its state carries the cloth."""
+        if self._carried is None:
+            self._carried = CarriedCloth(self.surface, coarse, self.drape)
+        painted = self._carried.paint(paint)
+        frame = self.cloth.solve(settings, painted, replace(given, positions=coarse.positions(given.positions)), before)
+        drape = self.drape.solve(frame, settings, given.world_from_object, before.drape if before is not None else None,
+                                 self.contact(frame, settings, given.body), painted.get(SMOOTH))
+        return self._carried.carried(frame, drape, given.positions)
 
     @property
     def drape(self) -> Drape:
@@ -77,9 +99,11 @@ class DrapedCloth:
         """Lift the cloth out of the body where its smooth surface cuts through between the vertices. where: (n,) the
         paint Keep Smooth, only there; None: everywhere."""
         if self._cover is None:
-            self._cover = kernels.build_cloth_cover(self.cloth.surface)
+            self._cover = kernels.build_cloth_cover(self.surface)
+        # a whole surface has its inner side, which may be as near to the body as cloth without a thickness
+        thickness = self.cloth.thickness(settings) - (0.0 if self.coarse is None else self.cloth.inner)
         lifts, room = kernels.cover_bodies(self._cover, self.cloth.collider(body), body.positions, frame.positions,
-                                           frame.body_hint, self.cloth.thickness(settings), self.cloth.hidden_depth())
+                                           frame.body_hint, thickness, self.cloth.hidden_depth())
         if where is not None:
             lifts = lifts * (np.float32(1.0) - share_of_folds(where))[:, None]
         frame.positions = frame.positions + lifts

@@ -14,6 +14,7 @@ import numpy as np
 
 from ...native import kernels
 from ..cloth.base_cloth import ClothFrame, SwingInput
+from ..cloth.draped_cloth import DrapedCloth
 from ..cloth.on_cloth import OnCloth, State
 from ..frame.engine import Wrinkles
 from ..frame.frame_cache import CachedFrame
@@ -120,6 +121,8 @@ def _state_arrays(state: State) -> Arrays:
         out.update(_named("swing", {name: getattr(cloth.swing_input, name) for name in _SWING}))
     if cloth.drape is not None:
         out.update(_named("drape", cloth.drape.arrays))
+    if cloth.solved is not None:
+        out.update(_named("coarse", {"solved": cloth.solved}))
     return out
 
 
@@ -144,8 +147,9 @@ def _check(arrays: Arrays, expected: tuple[tuple[str, tuple[int, ...], type], ..
 
 
 def _cloth_of(evaluator: Wrinkles, kept: Arrays, arrays: Arrays) -> ClothFrame:
-    draped, base = evaluator.draped_cloth(), _below("base", arrays)
+    base, coarse = _below("base", arrays), _below("coarse", arrays)
     swing, drape = _below("swing", arrays), _below("drape", arrays)
+    draped = _draped_cloth(evaluator, coarse)
     count = evaluator.solved_surface.vertex_count
     hints = (count,) if base["body_hint"].size else (0,)
     _check(base, (("positions", (count, 3), np.float32), ("gap", (count,), np.float32),
@@ -157,4 +161,16 @@ def _cloth_of(evaluator: Wrinkles, kept: Arrays, arrays: Arrays) -> ClothFrame:
         **base, state=kernels.BaseClothState.of(draped.cloth.model, kept), report=None,
         swing_input=SwingInput(float(swing["seconds"]), swing["world_from_object"], swing["location"]) if swing
         else None,
-        drape=kernels.WrinkleLayersState.of(draped.drape.model, drape) if drape else None)
+        drape=kernels.WrinkleLayersState.of(draped.drape.model, drape) if drape else None, **coarse)
+
+
+def _draped_cloth(evaluator: Wrinkles, coarse: Arrays) -> DrapedCloth:
+    """What solved a base cloth. coarse: arrays of one that was solved on the coarse mesh of a dense garment, else none.
+    Raises CannotGoOn if they do not match it."""
+    if not coarse:
+        return evaluator.draped_cloth()
+    mesh = evaluator.cloth_mesh
+    if mesh is None:
+        raise CannotGoOn("its base cloth was solved on a coarse mesh")
+    _check(coarse, (("solved", (mesh.coarse.surface.vertex_count, 3), np.float32),))
+    return evaluator.draped_cloth(coarse=True)

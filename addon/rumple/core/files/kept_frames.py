@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from ..frame.engine import Wrinkles
 
 SUFFIX = ".frame"
-FORMAT = 16  # raise it when frames get other bits. In format 7, for example, sweeps had another order
+FORMAT = 17  # raise it when frames get other bits. In format 7, for example, sweeps had another order
 _HEAD = b"rumple frame\n"
 _DIGEST = 16  # bytes
 _BEGIN = len(_HEAD) + 3 * _DIGEST  # bytes in front of the checkpoint: its own digest, that of the inputs, the chain

@@ -16,6 +16,7 @@ from ...native.surface import Model
 from ..base.digests import digest_of_paint, digest_of_settings
 from ..base.wording import user_error
 from ..cloth.base_cloth import ClothFrame, ClothInput, suggested_follow
+from ..cloth.carried_cloth import ClothMesh
 from ..cloth.draped_cloth import PAINTED, DrapedCloth
 from ..cloth.on_cloth import OnCloth, OnClothReport, State, cloth_of, system_state
 from ..cloth.surroundings import Surroundings
@@ -45,6 +46,8 @@ class Wrinkles(SystemSteps):
 
     in_viewport: ViewportMesh | None = None  # the mesh of viewports, if it has fewer vertices
     outer: OuterSide | None = None  # set if the garment has modelled thickness: then only its outer side is solved
+    # finds `cloth_mesh`; None: the system does not need one
+    find_cloth_mesh: Callable[[], ClothMesh | None] | None = None
     _last_pose: tuple[np.ndarray | None, Pose | None] = (None, None)  # positions, and the pose made from them
 
     def __init__(self, base: BaseMesh, source: BaseMesh, surface: kernels.Surface, model: Model,
@@ -64,7 +67,7 @@ class Wrinkles(SystemSteps):
         self._clip_labels = ClipLabels()
         self._paint: Any = None
         self._by_hand = ByHand()
-        self._draped_cloth: DrapedCloth | None = None
+        self._draped_cloths: dict[bool, DrapedCloth] = {}
         self.settings_are_keyed = True  # if False, different settings at another frame are a change by the artist too
         self._cloth_paint: dict[str, np.ndarray] = {}
 
@@ -208,8 +211,8 @@ class Wrinkles(SystemSteps):
             cloth = cloth.activated()
         given = ClothInput(positions, frame_input.world_from_object, frame_input.body, frame_input.seconds,
                            frame_input.surroundings)
-        cloth = self.draped_cloth().solve(settings, self._cloth_paint, given, cloth,
-                                          covers=not self._keeps_off_bodies())
+        cloth = self.draped_cloth(self._solves_coarse(settings)).solve(
+            settings, self._cloth_paint, given, cloth, covers=not self._keeps_off_bodies())
         pose = self._pose(cloth.positions, frame_input)
         state, report = self._solve(settings, pose, own, same_settings, replace(frame_input, cloth=cloth))
         has_body, is_free = self._has_other_body(frame_input.body), settings.base_cloth != "OFF"
@@ -227,23 +230,36 @@ class Wrinkles(SystemSteps):
         made_of, pose = self._last_pose
         return pose if made_of is not None and np.array_equal(made_of, over) else over
 
-    def draped_cloth(self) -> DrapedCloth:
-        """What solves the base cloth. It is built once."""
-        if self._draped_cloth is None:
-            self._draped_cloth = DrapedCloth(self.solved_surface, self.base.diagonal(), self.unit_scale,
-                                             lambda up: self._where_solved(suggested_follow(self._cloth_surface, up)),
-                                             0.0 if self.outer is None else self.outer.thickness, self.base.figure)
-        return self._draped_cloth
+    def draped_cloth(self, coarse: bool = False) -> DrapedCloth:
+        """What solves the base cloth. It is built once. coarse: on the coarse mesh of `cloth_mesh`, which is there."""
+        if coarse not in self._draped_cloths:
+            mesh = self.cloth_mesh if coarse else None
+            outer = self.outer if mesh is None else mesh.outer
+            self._draped_cloths[coarse] = DrapedCloth(
+                self.solved_surface, self.base.diagonal(), self.unit_scale,
+                lambda up: self._where_solved(suggested_follow(self._cloth_surface(outer), up)),
+                0.0 if outer is None else outer.thickness, self.base.figure, None if mesh is None else mesh.coarse)
+        return self._draped_cloths[coarse]
+
+    @functools.cached_property
+    def cloth_mesh(self) -> ClothMesh | None:
+        """The coarse mesh that the base cloth of a dense garment is solved on under a Wrinkle Field or Paths; None: it
+        is solved on all vertices."""
+        return None if self.find_cloth_mesh is None else self.find_cloth_mesh()
+
+    def _solves_coarse(self, settings: Any) -> bool:
+        return settings.base_cloth != "OFF" and self.cloth_mesh is not None
 
     def suggested_follow(self, settings: Any) -> np.ndarray:
         """(n,) float32: how firmly the base cloth follows the animation while nothing is painted. New paint starts with
         these values."""
-        return suggested_follow(self._cloth_surface, settings.up)[:self.coarse_count]
+        mesh = self.cloth_mesh if self._solves_coarse(settings) else None
+        outer = self.outer if mesh is None else mesh.outer
+        return suggested_follow(self._cloth_surface(outer), settings.up)[:self.coarse_count]
 
-    @property
-    def _cloth_surface(self) -> kernels.Surface:
+    def _cloth_surface(self, outer: OuterSide | None) -> kernels.Surface:
         """The surface of the base without an inner side, because a mesh with an inner side has no borders."""
-        return self.surface if self.outer is None else self.outer.surface
+        return self.surface if outer is None else outer.surface
 
     def _result(self, shown: Any, frame_input: FrameInput, **own: np.ndarray) -> FrameResult:
         """The result, from the native output of a frame. Positions over the base cloth are embedded in the animated

@@ -2,6 +2,7 @@
 """The Wrinkle Field as a system of the engine, on plain arrays. Never imports bpy."""
 from __future__ import annotations
 
+import functools
 from typing import Any
 
 import numpy as np
@@ -17,6 +18,7 @@ from ..mesh.frame_result import COMMON_ATTRIBUTES, Attribute, FrameResult, Previ
 from ..paint.fold_guides import ALONG
 from ..parts.cloth_surface import checked_surface
 from ..settings.system_settings import FieldSettings
+from .coarse_mesh import cloth_mesh
 
 # Attributes that the shader node group reads (../blender/nodes/field_shader.py).
 PHASE, WEIGHT = "rumple_wave_phase", "rumple_wave_weight"
@@ -86,7 +88,9 @@ class WrinkleField(Wrinkles):
                 most_vertices=most_vertices, attachment=settings.attachment)
         except ValueError as error:
             raise user_error(base.name, error) from error
-        return cls(base, base, surface, model, warnings, unit_scale)
+        field = cls(base, base, surface, model, warnings, unit_scale)
+        field.find_cloth_mesh = functools.partial(cloth_mesh, base, surface, settings.weld, settings.up, unit_scale)
+        return field
 
     def _status(self, report: Any) -> list[str]:
         lines = [f"{report.wrinkled} of {self.model.vertex_count} vertices wrinkle",

@@ -2,6 +2,7 @@
 """The Wrinkle Paths as a system of the engine, on plain arrays. Never imports bpy."""
 from __future__ import annotations
 
+import functools
 from typing import Any
 
 import numpy as np
@@ -18,6 +19,7 @@ from ..mesh.frame_result import COMMON_ATTRIBUTES, Attribute, FrameResult, Previ
 from ..paint.paint_maps import WIDTH, fold_width
 from ..parts.cloth_surface import checked_surface
 from ..settings.system_settings import PathsSettings
+from .coarse_mesh import cloth_mesh
 from .curve_rows import CurvePoints
 
 # Table 9.1 has 0.5 (and 1 in one clip) for folds of width pi L_min / compression. Ours have pi/2 L_min / compression.
@@ -86,7 +88,9 @@ class WrinklePaths(Wrinkles):
                 longest_edge=longest / unit_scale, most_vertices=most_vertices, attachment=settings.attachment)
         except ValueError as error:
             raise user_error(base.name, error) from error
-        return cls(base, base, surface, model, warnings, unit_scale)
+        paths = cls(base, base, surface, model, warnings, unit_scale)
+        paths.find_cloth_mesh = functools.partial(cloth_mesh, base, surface, settings.weld, settings.up, unit_scale)
+        return paths
 
     def _status(self, report: Any) -> list[str]:
         lines = [f"{report.paths} folds; {report.born} started and {report.died} ended in this frame",
