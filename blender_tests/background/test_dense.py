@@ -3,19 +3,19 @@
 from __future__ import annotations
 
 import unittest
-from typing import Any
+from typing import Any, Iterator
 
 import bmesh
 import bpy
 import numpy as np
 from rumple.blender import scheduler
-from rumple.blender.objects import runtimes
+from rumple.blender.objects import properties, runtimes
 from support import cloth_scenes, sleeve
 
 LAST = 5
 
 
-def dense() -> bpy.types.Object:
+def dense(method: str = "MESH") -> bpy.types.Object:
     """A sleeve of 3,000 vertices over an arm, wrinkled by one click."""
     obj = sleeve.scene(wrinkles=False)
     body = sleeve.under(obj, radius=0.8)
@@ -24,11 +24,12 @@ def dense() -> bpy.types.Object:
     bmesh.ops.subdivide_edges(mesh, edges=mesh.edges, cuts=3, use_grid_fill=True)
     mesh.to_mesh(obj.data)
     mesh.free()
-    obj.rumple.mesh.property_unset("base_cloth")
+    for settings in (obj.rumple.mesh, obj.rumple.field, obj.rumple.paths):
+        settings.property_unset("base_cloth")
     sleeve.make_active(obj)
-    bpy.ops.object.rumple_add(method="MESH")
+    bpy.ops.object.rumple_add(method=method)
     bpy.context.view_layer.update()
-    assert obj.rumple.body == body and obj.rumple.mesh.layers == "CLOTH"
+    assert obj.rumple.body == body and properties.group_of(obj).base_cloth == "HANG"
     return obj
 
 
@@ -96,6 +97,54 @@ class Dense(cloth_scenes.Cloth):
         coat.rumple.body = self.obj
         sleeve.play(4)
         self.assertEqual((self.obj.rumple.message, coat.rumple.message), ("", ""))
+
+
+class WavesAndPaths(cloth_scenes.Cloth):
+    """Their base cloth is solved on a coarse mesh, and they on all vertices."""
+
+    def each(self) -> Iterator[tuple[bpy.types.Object, Any]]:
+        for method in ("FIELD", "PATHS"):
+            obj = dense(method)
+            yield obj, properties.group_of(obj)
+
+    def cloth(self, obj: bpy.types.Object) -> Any:
+        runtime = runtimes.of(obj)
+        return runtime.evaluator.state_of(runtime.inputs.frame).cloth
+
+    def test_one_click_solves_their_cloth_on_a_coarse_mesh(self) -> None:
+        for obj, _ in self.each():
+            sleeve.play(LAST)
+            cloth = self.cloth(obj)
+            self.assertEqual(obj.rumple.message, "")
+            self.assertLess(3 * len(cloth.solved), len(obj.data.vertices))
+            self.assertEqual({len(cloth.positions), len(cloth.gap), len(cloth.body_hint)}, {len(obj.data.vertices)})
+
+    def test_they_stay_out_of_the_body(self) -> None:
+        for obj, settings in self.each():
+            body = obj.rumple.body
+            found = cloth_scenes.depths(obj, body, range(1, LAST + 1))
+            settings.base_cloth, obj.rumple.body = "OFF", None
+            self.check_no_deeper(found, cloth_scenes.depths(obj, body, found))
+
+    def test_played_saved_and_opened_they_look_the_same_in_any_order(self) -> None:
+        for obj, _ in self.each():
+            seen = cloth_scenes.played(obj, LAST)
+            self.same(seen, cloth_scenes.pictures(obj, (4, 1, LAST, 3)))
+            path = self.saved()
+            bpy.ops.wm.save_mainfile(filepath=path)
+            bpy.ops.wm.open_mainfile(filepath=path)
+            self.same(seen, cloth_scenes.played(bpy.data.objects["Sleeve"], LAST))
+
+    def test_base_cloth_off_and_the_way_back_is_exact(self) -> None:
+        for obj, settings in self.each():
+            seen = cloth_scenes.played(obj, LAST)
+            settings.base_cloth = "OFF"
+            scheduler.sync_all()
+            cloth_scenes.played(obj, 2)
+            self.assertEqual((obj.rumple.message, self.cloth(obj).solved is None), ("", True))
+            settings.base_cloth = "HANG"
+            scheduler.sync_all()
+            self.same(seen, cloth_scenes.played(obj, LAST))
 
 
 class AsModelled(cloth_scenes.Cloth):

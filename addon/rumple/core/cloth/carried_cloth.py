@@ -45,16 +45,22 @@ class CarriedCloth:
             self._painted = paint, {name: painted_on(self.coarse, values) for name, values in paint.items()}
         return self._painted[1]
 
-    def carried(self, frame: ClothFrame, drape: Any, animated: np.ndarray) -> ClothFrame:
-        """The frame of the garment. frame: of the coarse mesh. drape: state of the wide folds on it. animated: (n, 3)
-        float32, object space. Loose vertices stay as they are animated. Raises ValueError."""
-        positions, gap = animated.copy(), np.zeros(self._count, np.float32)
-        positions[self._vertex] = kernels.show_wrinkle_transfer(self._transfer, animated, drape).positions
+    def carried(self, frame: ClothFrame, drape: kernels.WrinkleLayersState, animated: np.ndarray) -> ClothFrame:
+        """The frame of the garment. frame: of the coarse mesh. Other arguments as in positions(). Raises ValueError."""
+        gap = np.zeros(self._count, np.float32)
         gap[self._vertex] = np.clip(on_shown(frame.gap, self._near), 0.0, frame.gap.max(initial=0.0))  # it is rounded
         hint = np.full(self._count if len(frame.body_hint) else 0, -1, np.int32)
         if len(hint):
             hint[self._vertex] = frame.body_hint[self._nearest]
-        return replace(frame, positions=positions, gap=gap, body_hint=hint, drape=drape, solved=frame.positions)
+        return replace(frame, positions=self.positions(drape, animated), gap=gap, body_hint=hint, drape=drape,
+                       solved=frame.positions)
+
+    def positions(self, drape: kernels.WrinkleLayersState, animated: np.ndarray) -> np.ndarray:
+        """(n, 3) float32 of the cloth of a frame, object space. drape: state of the wide folds on it. animated: (n, 3)
+        float32, object space. Loose vertices stay as they are animated. Raises ValueError."""
+        positions = animated.copy()
+        positions[self._vertex] = kernels.show_wrinkle_transfer(self._transfer, animated, drape).positions
+        return positions
 
 
 def painted_on(coarse: Any, values: np.ndarray) -> np.ndarray:

@@ -9,7 +9,7 @@ import numpy as np
 
 from ...native import kernels
 from ..base.triangles import corner_weights
-from ..paint.keep_smooth import SMOOTH, share_of_folds
+from ..paint.keep_smooth import share_of_folds
 from ..settings.system_settings import MeshSettings
 from .base_cloth import BaseCloth, ClothFrame, bend_radius
 from .layers import layer_settings
@@ -37,14 +37,12 @@ class Drape:
             share_of_folds(smooth)[:, None] * (draped - frame.positions))
 
     def solve(self, frame: ClothFrame, settings: Any, world_from_object: np.ndarray | None, before: Any,
-              contact: dict[str, Any], smooth: np.ndarray | None = None) -> kernels.WrinkleLayersState:
+              contact: dict[str, Any]) -> kernels.WrinkleLayersState:
         """The state of the layer, solved over the base cloth of a frame. Arguments as in add_to()."""
         mesh = _mesh_settings(settings)
         options = layer_settings(mesh, 1, world_from_object=world_from_object,
                                  bend=bend_radius(mesh, mesh.wavelength, 1.0 / self.metre))
-        painted = None if smooth is None else kernels.WrinkleLayersPaint(
-            self.model, {SMOOTH: share_of_folds(smooth)}, [SMOOTH])
-        state, _ = kernels.solve_wrinkle_layers(self.model, options, painted, frame.positions, state=before, **contact)
+        state, _ = kernels.solve_wrinkle_layers(self.model, options, None, frame.positions, state=before, **contact)
         return state
 
 

@@ -3,6 +3,7 @@
 for. Never imports bpy."""
 from __future__ import annotations
 
+import functools
 from dataclasses import fields, replace
 from typing import Any, Callable
 
@@ -68,17 +69,23 @@ class DrapedCloth:
             self._lift(frame, settings, body, None if covers else smooth)
         return frame
 
-    def _solve_coarse(self, coarse: Any, settings: ClothSettings, paint: dict[str, np.ndarray], given: ClothInput,
+    def _solve_coarse(self, coarse: Any, settings: Any, paint: dict[str, np.ndarray], given: ClothInput,
                       before: ClothFrame | None) -> ClothFrame:
         """The base cloth with its drape, solved on the coarse mesh and carried to the surface. The drape is solved even
         if it has no height, because its state carries the cloth."""
         if self._carried is None:
             self._carried = CarriedCloth(self.surface, coarse, self.drape)
-        painted = self._carried.paint(paint)
-        frame = self.cloth.solve(settings, painted, replace(given, positions=coarse.positions(given.positions)), before)
-        drape = self.drape.solve(frame, settings, given.world_from_object, before.drape if before is not None else None,
-                                 self.contact(frame, settings, given.body), painted.get(SMOOTH))
-        return self._carried.carried(frame, drape, given.positions)
+        solved = replace(given, positions=coarse.positions(given.positions))
+        frame = self.cloth.solve(settings, self._carried.paint(paint), solved, before)
+        solve = functools.partial(self.drape.solve, frame, world_from_object=given.world_from_object,
+                                  contact=self.contact(frame, settings, given.body))
+        carried = self._carried.carried(frame, solve(settings, before=before.drape if before is not None else None),
+                                        given.positions)
+        if settings.draped and SMOOTH in paint:
+            plain = self._carried.positions(solve(replace(settings, drape=0.0), before=None), given.positions)
+            kept = np.float32(1.0) - share_of_folds(paint[SMOOTH])[:, None]
+            carried.positions = carried.positions - kept * (carried.positions - plain)
+        return carried
 
     @property
     def drape(self) -> Drape:
