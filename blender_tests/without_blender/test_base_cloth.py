@@ -10,6 +10,7 @@ from unittest import mock
 
 import numpy as np
 from rumple.core.cloth.base_cloth import HANGING, BaseCloth, ClothInput, suggested_follow
+from rumple.core.cloth.carried_cloth import CarriedCloth
 from rumple.core.cloth.drape import Drape
 from rumple.core.cloth.on_cloth import cloth_of
 from rumple.core.frame.engine import Wrinkles
@@ -170,6 +171,36 @@ class OfDenseGarments(unittest.TestCase):
                 rings = played(one, replace(settings, drape=0.0), 2).positions.reshape(-1, around(base), 3)
                 bent.append(np.quantile(np.linalg.norm(rings[2:] - 2.0 * rings[1:-1] + rings[:-2], axis=-1), 0.99))
             self.assertLess(bent[0], 1.2 * bent[1])
+
+    def test_what_alternates_from_vertex_to_vertex_of_an_even_mesh_is_smoothed(self) -> None:
+        """Irregular triangles are compressed in patches, and paths drew a bump on each of them. What is pinned stays,
+        and so does a displacement that is the same everywhere."""
+        base, random = tube(*DENSE["even"], RADIUS, LENGTH), np.random.default_rng(3)
+        fine, solved, solve = build(base, FIELD), list[Any](), BaseCloth.solve
+
+        def solve_and_keep(*args: Any) -> Any:
+            frame = solve(*args)
+            solved.append(frame.positions)
+            return frame
+
+        with mock.patch.object(BaseCloth, "solve", solve_and_keep):
+            cloth = cloth_at(fine, 1, squeezed(base, 2), FIELD)
+        draped, mesh = fine.draped_cloth(coarse=True), fine.cloth_mesh
+        assert mesh is not None
+        carried = CarriedCloth(fine.solved_surface, mesh.coarse, draped.drape)
+        animated = mesh.coarse.positions(squeezed(base, 2))
+        np.testing.assert_array_equal(cloth.solved, carried.smoothed(solved[0], animated, draped.cloth.follow))
+        self.assertGreater(self.far(cloth.solved, solved[0]), 1e-4)
+
+        free, moved = np.zeros(len(animated), np.float32), animated + np.float32(0.01)
+        self.assertLess(self.far(carried.smoothed(moved, animated, free), moved), 1e-7)
+        shaken = (animated + 1e-3 * random.standard_normal(animated.shape)).astype(np.float32)
+        self.assertLess((carried.smoothed(shaken, animated, free) - animated).std(), 0.5e-3)
+        np.testing.assert_allclose(carried.smoothed(shaken, animated, free + 1.0), shaken, atol=1e-7)
+        subdivided = build(tube(*DENSE["subdivided"], RADIUS, LENGTH), FIELD)
+        with mock.patch.object(BaseCloth, "solve", solve_and_keep):
+            cloth = cloth_at(subdivided, 1, squeezed(subdivided.base, 2), FIELD)
+        np.testing.assert_array_equal(cloth.solved, solved[-1], "as it was modelled, it is even")
 
     def test_at_rest_without_weight_it_stays_where_it_was_modelled(self) -> None:
         for base, settings, fine in self.each():

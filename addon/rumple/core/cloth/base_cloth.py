@@ -106,6 +106,7 @@ class BaseCloth:
         self._options = LastResult(self._native_settings)
         self._collider: tuple[Body, Any] | None = None
         self._paint: Any = None
+        self.follow = np.zeros(0, np.float32)  # (n,) of the last frame: how firmly vertices follow the animation
         self._painted: dict[str, np.ndarray] | None = None
         self._paint_settings = "", 0.0, 0.0
 
@@ -145,6 +146,7 @@ class BaseCloth:
     def _take_paint(self, paint: dict[str, np.ndarray], settings: ClothSettings) -> None:
         values = {name: paint[name] for name in ("follow", "room") if name in paint}
         values = values if "follow" in values else {**values, "follow": self._suggest(settings.up)}
+        self.follow = values["follow"]
         if FREE in paint:
             factor = room_factor(paint[FREE], settings)
             values["room"] = values["room"] * factor if "room" in values else factor

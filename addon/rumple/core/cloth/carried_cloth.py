@@ -15,6 +15,7 @@ from .base_cloth import ClothFrame
 from .drape import Drape, corner_of
 
 NO_LIMIT = 2**30  # the garment has as many vertices as it has
+SMOOTHINGS = 2  # of the cloth on an even mesh, see smoothed()
 
 
 class ClothMesh(NamedTuple):
@@ -38,12 +39,29 @@ class CarriedCloth:
         corner = corner_weights(self._near).argmax(axis=1)
         self._nearest = self._near.triangle_vertex[np.arange(len(corner)), corner]
         self._painted: tuple[dict[str, np.ndarray], dict[str, np.ndarray]] = {}, {}
+        self._edges = drape.model.shown.edge_sources.copy() if coarse.spacing is not None else None
 
     def paint(self, paint: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
         """Paint (n,) -> (m,). The same result for the same dictionary as in the last call."""
         if self._painted[0] is not paint:
             self._painted = paint, {name: painted_on(self.coarse, values) for name, values in paint.items()}
         return self._painted[1]
+
+    def smoothed(self, positions: np.ndarray, animated: np.ndarray, follow: np.ndarray) -> np.ndarray:
+        """The cloth (m, 3) float32 on an even mesh without what alternates from vertex to vertex: its triangles are
+        irregular, so it is compressed in patches, each of which would get a short path. Of every displacement from the
+        animation half becomes the mean of the neighbours', less where it is pinned. Other meshes stay. animated:
+        (m, 3). follow: (m,), 1: pinned."""
+        if self._edges is None:
+            return positions
+        a, b = self._edges.T
+        count, offset = len(positions), (positions - animated).astype(np.float64)
+        neighbours = np.maximum(np.bincount(self._edges.ravel(), minlength=count), 1)
+        share = 0.5 * (1.0 - np.clip(follow, 0.0, 1.0))
+        for _ in range(SMOOTHINGS):
+            mean = np.stack([np.bincount(a, axis[b], count) + np.bincount(b, axis[a], count) for axis in offset.T])
+            offset += share[:, None] * (mean.T / neighbours[:, None] - offset)
+        return (animated + offset).astype(np.float32)
 
     def carried(self, frame: ClothFrame, drape: kernels.WrinkleLayersState, animated: np.ndarray) -> ClothFrame:
         """The frame of the garment. frame: of the coarse mesh. Other arguments as in positions(). Raises ValueError."""

@@ -77,6 +77,7 @@ class DrapedCloth:
             self._carried = CarriedCloth(self.surface, coarse, self.drape)
         solved = replace(given, positions=coarse.positions(given.positions))
         frame = self.cloth.solve(settings, self._carried.paint(paint), solved, before)
+        frame.positions = self._carried.smoothed(frame.positions, solved.positions, self.cloth.follow)
         solve = functools.partial(self.drape.solve, frame, world_from_object=given.world_from_object,
                                   contact=self.contact(frame, settings, given.body))
         carried = self._carried.carried(frame, solve(settings, before=before.drape if before is not None else None),
