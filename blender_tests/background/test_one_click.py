@@ -209,10 +209,14 @@ class Thick(unittest.TestCase):
                 self.assertEqual(self.obj.rumple.message, "")
                 self.assertGreater(len(sleeve.shown(self.obj)), 4 * sleeve.AROUND * sleeve.ALONG)
 
-    def test_a_field_says_which_system_makes_it_cloth(self) -> None:
+    def test_under_a_field_it_hangs_by_its_outer_side_as_well(self) -> None:
         self.thicken(apply=True)
-        self.assertRegex(self.click("FIELD")[0], "^Sleeve: its thickness is modelled, so it is not made cloth")
-        self.assertEqual(self.obj.rumple.field.base_cloth, "OFF")
+        self.assertEqual(self.click("FIELD"), [])
+        self.assertEqual(self.obj.rumple.field.base_cloth, "HANG")
+        self.assertEqual(self.obj.rumple.body.name, "Human")
+        sleeve.play(last=2)
+        evaluator = runtimes.of(self.obj).evaluator
+        self.assertAlmostEqual(evaluator.cloth_mesh.outer.thickness, 0.004, delta=0.0005)
 
     def test_a_glove_is_told_that_it_is_no_cloth(self) -> None:
         mesh = self.obj.data

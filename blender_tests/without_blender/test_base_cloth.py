@@ -132,11 +132,10 @@ class OfDenseGarments(unittest.TestCase):
                              + cloth.drape.nbytes - (0 if whole.drape is None else whole.drape.nbytes))
 
     def test_other_garments_are_solved_on_their_own_vertices(self) -> None:
-        """One that is not dense; one whose coarse mesh would have more than a third of its vertices; a thick one with
-        edges of 23 mm; and every one without a base cloth."""
+        """One that is not dense; one whose coarse mesh would have more than a third of its vertices; and every one
+        without a base cloth."""
         for faces in ((28, 22), (32, 25)):
             self.assertTrue(played(build(tube(*faces, RADIUS, LENGTH), FIELD), FIELD, 1).solved is None, faces)
-        self.assertTrue(played(build(thick_tube(28, 22, RADIUS, LENGTH, 0.004), FIELD), FIELD, 1).solved is None)
         base, off = tube(*DENSE["even"], RADIUS, LENGTH), replace(FIELD, base_cloth="OFF")
         body = Body(base.positions + np.float32(5.0), base.triangles)
         fine = build(base, FIELD)
@@ -264,21 +263,24 @@ class OfDenseGarments(unittest.TestCase):
             self.assertTrue(((cloth.body_hint >= 0) & (cloth.body_hint < len(body.triangles))).all())
 
     def test_the_inner_side_moves_with_the_outer_one_and_stays_off_a_body(self) -> None:
-        thickness = 0.004
-        base, inner = thick_tube(*DENSE["even"], RADIUS, LENGTH, thickness), tube(40, 31, 0.97 * RADIUS, LENGTH)
-        for settings in (FIELD, PATHS):
+        """Also of a garment that is not dense."""
+        thickness, inner = 0.004, tube(40, 31, 0.97 * RADIUS, LENGTH)
+        for settings, faces in ((FIELD, DENSE["even"]), (PATHS, DENSE["even"]), (FIELD, (28, 22))):
+            base, dense = thick_tube(*faces, RADIUS, LENGTH, thickness), faces == DENSE["even"]
             fine = build(base, settings)
             for frame in range(1, 4):
                 body = Body(squeezed(inner, frame), inner.triangles)
                 cloth = cloth_at(fine, frame, squeezed(base, frame), settings, body=body)
             outside, inside = np.split(cloth.positions, 2)
-            self.assertLess(8 * len(cloth.solved), len(base.positions))
+            self.assertLess((8 if dense else 4) * len(cloth.solved), len(base.positions))
             self.assertGreater(self.far(outside, squeezed(base, 3)[:len(outside)]), 0.01)
             apart = np.linalg.norm(outside - inside, axis=1) / thickness
-            self.assertTrue((np.abs(np.quantile(apart, (0.05, 0.5, 0.95)) - 1.0) < 0.1).all())
+            most = 0.95 if dense else 0.6  # triangles of 5 cm shear where it is squeezed most
+            self.assertTrue((np.abs(np.quantile(apart, (0.05, 0.5, most)) - 1.0) < 0.1).all())
             middle = np.abs(inside[:, 2] - inside[:, 2].mean()) < 0.3 * np.ptp(inside[:, 2])
-            self.assertGreater(np.linalg.norm(inside[middle, :2], axis=1).min(), 0.97 * RADIUS)
-            follow = suggested_follow(tube(*DENSE["even"], RADIUS, LENGTH).surface(True), settings.up)
+            in_body = np.linalg.norm(inside[middle, :2], axis=1) <= 0.97 * RADIUS
+            self.assertLessEqual(in_body.mean(), 0.0 if dense else 0.25)  # 0.93 if both sides are solved
+            follow = suggested_follow(tube(*faces, RADIUS, LENGTH).surface(True), settings.up)
             np.testing.assert_array_equal(fine.suggested_follow(settings)[:len(follow)], follow)  # it has a collar
 
     def test_paint_counts_and_what_is_suggested_is_what_counts_without(self) -> None:

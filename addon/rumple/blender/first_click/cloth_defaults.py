@@ -85,17 +85,9 @@ def is_skirt(obj: bpy.types.Object) -> bool:
     return flared.is_flared(cloth_at_rest(obj), _turn(obj)[2])
 
 
-def has_inner_side(obj: bpy.types.Object) -> bool:
-    """Whether a garment has a modelled thickness."""
-    base = mesh_reader.base_mesh(obj, "REST_POSE", "")
-    return outer_side.without_inner_side(base) is not base
-
-
 def cloth_at_rest(obj: bpy.types.Object) -> BaseMesh:
-    """The mesh at rest without skin that its materials name. Of a Wrinkle Mesh, without the inner side; the other
-    systems solve the mesh as it is."""
-    base = named_skin.without(obj, mesh_reader.base_mesh(obj, "REST_POSE", ""))
-    return outer_side.without_inner_side(base) if properties.system_of(obj).method == "MESH" else base
+    """The mesh at rest without skin that its materials name, and without the inner side of a modelled thickness."""
+    return outer_side.without_inner_side(named_skin.without(obj, mesh_reader.base_mesh(obj, "REST_POSE", "")))
 
 
 def _turn(obj: bpy.types.Object) -> np.ndarray:

@@ -171,8 +171,5 @@ def _notes(obj: bpy.types.Object, scene: bpy.types.Scene, found: _Found) -> list
                 "cloth: if it is a garment, set Base Cloth to Hang"]
     if worn_over.body is None:
         return []
-    if obj.rumple.method != "MESH" and cloth_defaults.has_inner_side(obj):
-        return [f"{obj.name}: its thickness is modelled, so it is not made cloth: only a Wrinkle Mesh makes such "
-                "clothes hang, by their outer side"]
     return [f"{obj.name}: it lies over {worn_over.body.name} but is no sheet, as a cape or a flag is, and has fewer "
             "than two openings, as hats and gloves have, so it is not made cloth: if it is, set Base Cloth to Hang"]

@@ -211,8 +211,8 @@ class Wrinkles(SystemSteps):
             cloth = cloth.activated()
         given = ClothInput(positions, frame_input.world_from_object, frame_input.body, frame_input.seconds,
                            frame_input.surroundings)
-        cloth = self.draped_cloth(self._solves_coarse(settings)).solve(
-            settings, self._cloth_paint, given, cloth, covers=not self._keeps_off_bodies())
+        draped = self.draped_cloth(coarse=settings.base_cloth != "OFF" and self.cloth_mesh is not None)
+        cloth = draped.solve(settings, self._cloth_paint, given, cloth, covers=not self._keeps_off_bodies())
         pose = self._pose(cloth.positions, frame_input)
         state, report = self._solve(settings, pose, own, same_settings, replace(frame_input, cloth=cloth))
         has_body, is_free = self._has_other_body(frame_input.body), settings.base_cloth != "OFF"
@@ -233,8 +233,7 @@ class Wrinkles(SystemSteps):
     def draped_cloth(self, coarse: bool = False) -> DrapedCloth:
         """What solves the base cloth. It is built once. coarse: on the coarse mesh of `cloth_mesh`, which is there."""
         if coarse not in self._draped_cloths:
-            mesh = self.cloth_mesh if coarse else None
-            outer = self.outer if mesh is None else mesh.outer
+            mesh, outer = self.cloth_mesh if coarse else None, self._outer_side(coarse)
             self._draped_cloths[coarse] = DrapedCloth(
                 self.solved_surface, self.base.diagonal(), self.unit_scale,
                 lambda up: self._where_solved(suggested_follow(self._cloth_surface(outer), up)),
@@ -243,18 +242,19 @@ class Wrinkles(SystemSteps):
 
     @functools.cached_property
     def cloth_mesh(self) -> ClothMesh | None:
-        """The coarse mesh that the base cloth of a dense garment is solved on under a Wrinkle Field or Paths; None: it
-        is solved on all vertices."""
+        """The mesh that the base cloth of a dense or thick garment is solved on under a Wrinkle Field or Paths. None:
+        that of all vertices."""
         return None if self.find_cloth_mesh is None else self.find_cloth_mesh()
 
-    def _solves_coarse(self, settings: Any) -> bool:
-        return settings.base_cloth != "OFF" and self.cloth_mesh is not None
+    def _outer_side(self, has_base_cloth: bool) -> OuterSide | None:
+        """The side of a garment with modelled thickness that its cloth is solved on; None: the whole garment."""
+        mesh = self.cloth_mesh if has_base_cloth else None
+        return self.outer if mesh is None else mesh.outer
 
     def suggested_follow(self, settings: Any) -> np.ndarray:
         """(n,) float32: how firmly the base cloth follows the animation while nothing is painted. New paint starts with
         these values."""
-        mesh = self.cloth_mesh if self._solves_coarse(settings) else None
-        outer = self.outer if mesh is None else mesh.outer
+        outer = self._outer_side(settings.base_cloth != "OFF")
         return suggested_follow(self._cloth_surface(outer), settings.up)[:self.coarse_count]
 
     def _cloth_surface(self, outer: OuterSide | None) -> kernels.Surface:
@@ -360,8 +360,9 @@ class Wrinkles(SystemSteps):
         report, rigid = result.report, self.base.rigid
         if report is None:
             return []  # a waiting frame
-        parts = self._by_hand.notes(self.name)
-        parts += [] if rigid is None else rigid.lines()
+        outer = self._outer_side(isinstance(report, OnClothReport) and report.is_free)
+        parts = self._by_hand.notes(self.name) + ([] if rigid is None else rigid.lines())
+        parts += [] if outer is None else [outer.line(self.unit_scale)]
         if not isinstance(report, OnClothReport):
             return [*self._status(report), *parts]
         return [*self._status(report.wrinkles), *report.lines(self.name, self.unit_scale), *parts]

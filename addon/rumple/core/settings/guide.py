@@ -63,7 +63,7 @@ MESSAGES = tuple((re.compile(pattern), anchor) for pattern, anchor in (
     (r": unexpected ", "when-something-is-wrong"),
     (r"worn over|its body|of its bodies|was reached by a jump|clip begins|Step of the scene|Overwrite is off"
      r"|linked from a file of an older Rumple"
-     r"|fewer than two openings|taken for a body|its thickness is modelled|its ends are closed"
+     r"|fewer than two openings|taken for a body|its ends are closed"
      r"|it is a sheet that the bone|all of its materials name|one bone moves it", "body-and-cloth"),
     (r"outside the bake|[Bb]aked clip|of it is damaged|the disk of|nothing can be written|the folder .* is gone"
      r"|changed since the bake|is too long for Windows|: bake again|nothing (?:of it )?is \w+ at frame"

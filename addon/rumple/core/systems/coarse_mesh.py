@@ -63,17 +63,16 @@ def coarse_mesh(base: BaseMesh, settings: MeshSettings, surface: Any, unit_scale
 
 
 def cloth_mesh(base: BaseMesh, surface: Any, weld: bool, up: str, unit_scale: float) -> ClothMesh | None:
-    """The coarse mesh that the base cloth of a dense garment is solved on under a Wrinkle Field or Wrinkle Paths: that
-    of a Wrinkle Mesh of cotton. None: it is solved on all vertices, because they are no more than LEAST_VERTICES times
-    as many. surface: native, of the base. weld, up: as in the settings. Cost: about 10 us for each vertex if it is
-    dense."""
-    size = size_of(base, unit_scale)
-    if not _is_dense(base, surface, DENSE * COARSE_SPACING * size / unit_scale):
+    """The mesh that the base cloth of a garment is solved on under a Wrinkle Field or Wrinkle Paths if it is dense or
+    has a modelled thickness: that of a Wrinkle Mesh of cotton. None: it is solved on all vertices; a dense one too, if
+    they are no more than LEAST_VERTICES times as many. surface: native, of the base. weld, up: as in the settings.
+    Cost: about 10 us for each vertex of such a garment."""
+    size, outer = size_of(base, unit_scale), find_outer_side(base, surface, weld)
+    if outer is None and not _is_dense(base, surface, DENSE * COARSE_SPACING * size / unit_scale):
         return None
     settings = MeshSettings(base_cloth="HANG", wavelength=MeshSettings.wavelength * size, weld=weld, up=up)
-    outer = find_outer_side(base, surface, weld)
     coarse = coarse_mesh(base, settings, surface, unit_scale, outer)
-    if coarse is None or LEAST_VERTICES * coarse.surface.vertex_count > surface.vertex_count:
+    if coarse is None or (outer is None and LEAST_VERTICES * coarse.surface.vertex_count > surface.vertex_count):
         return None
     return ClothMesh(coarse, outer)
 

@@ -217,9 +217,6 @@ class WrinkleMesh(Wrinkles):
 
     def _status(self, report: Any) -> list[str]:
         lines = [f"{self.solve_vertex_count} vertices are solved", f"Fine edge {1000.0 * self.edge_mean:.2f} mm"]
-        if self.outer is not None:
-            thickness = 1000.0 * self.unit_scale * self.outer.thickness
-            lines.append(f"Thickness of {thickness:.1f} mm: the inner side moves with the outer one")
         layers = report if isinstance(report, list) else [report]
         kept = sum(layer.kept_apart for layer in layers)
         if kept:
