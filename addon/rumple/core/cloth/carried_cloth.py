@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The base cloth of a dense garment under a Wrinkle Field or Wrinkle Paths: solved on a coarse mesh, and carried to all
-vertices, as a Wrinkle Mesh carries its folds. Never imports bpy."""
+"""The base cloth of a dense or thick garment under a Wrinkle Field or Wrinkle Paths. It is solved on a coarse mesh and
+carried to all vertices, as a Wrinkle Mesh carries its folds. Never imports bpy."""
 from __future__ import annotations
 
 from dataclasses import replace
@@ -19,7 +19,7 @@ SMOOTHINGS = 2  # of the cloth on an even mesh, see smoothed()
 
 
 class ClothMesh(NamedTuple):
-    """The coarse mesh that is solved in place of a dense garment."""
+    """The mesh that is solved in place of a dense or thick garment."""
 
     coarse: Any  # native
     outer: OuterSide | None  # set if the garment has modelled thickness: then it stands for the outer side

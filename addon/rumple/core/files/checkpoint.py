@@ -165,8 +165,8 @@ def _cloth_of(evaluator: Wrinkles, kept: Arrays, arrays: Arrays) -> ClothFrame:
 
 
 def _draped_cloth(evaluator: Wrinkles, coarse: Arrays) -> DrapedCloth:
-    """What solved a base cloth. coarse: arrays of one that was solved on the coarse mesh of a dense garment, else none.
-    Raises CannotGoOn if they do not match it."""
+    """What solved a base cloth. coarse: arrays of one that was solved on the coarse mesh of a dense or thick garment,
+    else none. Raises CannotGoOn if they do not match it."""
     if not coarse:
         return evaluator.draped_cloth()
     mesh = evaluator.cloth_mesh
