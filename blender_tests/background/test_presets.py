@@ -111,7 +111,7 @@ class Presets(unittest.TestCase):
         return obj
 
     def test_trousers_over_a_whole_body_are_as_wide_as_they_are_modelled(self) -> None:
-        """Wider ones had a knob between the legs."""
+        """A simulation of these has smooth legs too while the figure stands."""
         obj = self.clicked_trousers(0.0)
         self.assertEqual(obj.rumple.mesh.slack, np.float32(1.02))
         for preset, slack in (("COTTON", 1.02), ("DENIM", 1.05), ("COTTON", 1.02)):

@@ -271,6 +271,8 @@ class OfDenseGarments(unittest.TestCase):
             for frame in range(1, 4):
                 body = Body(squeezed(inner, frame), inner.triangles)
                 cloth = cloth_at(fine, frame, squeezed(base, frame), settings, body=body)
+            self.assertIn("Thickness of 4.0 mm: the inner side moves with the outer one", fine.status(
+                solve_frame(fine, 3.0, squeezed(base, 3), settings, {}, start=1, body=body)))
             outside, inside = np.split(cloth.positions, 2)
             self.assertLess((8 if dense else 4) * len(cloth.solved), len(base.positions))
             self.assertGreater(self.far(outside, squeezed(base, 3)[:len(outside)]), 0.01)

@@ -236,8 +236,8 @@ RUMPLE_API rumple_status rumple_cloth_cover_lift(const rumple_cloth_cover* cover
                                                  float* room, size_t room_count);
 
 // The positions of the cloth without triangles that are turned over there and not in the animation: vertices
-// around them get the mean displacement of their neighbours. animated, positions: (n, 3). untangled: (n, 3),
-// written. Cost: about 30 ns per triangle.
+// around them get the mean displacement of their neighbours, if no edge becomes much longer. animated,
+// positions: (n, 3). untangled: (n, 3), written. Cost: about 30 ns per triangle.
 RUMPLE_API rumple_status rumple_cloth_untangle(const rumple_surface* surface, const float* animated,
                                                size_t animated_count, const float* positions,
                                                size_t positions_count, float* untangled,

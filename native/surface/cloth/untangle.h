@@ -11,7 +11,8 @@ namespace rumple {
 
 // The positions of the cloth without triangles that are turned over there and not in the animation. Around
 // them the displacement from the animation becomes smooth: in up to kUntanglePasses passes each of their
-// vertices gets the mean displacement of its neighbours. Other vertices stay to the bit.
+// vertices gets the mean displacement of its neighbours. Those whose edges would become more than twice as
+// long as at rest, and longer than in the cloth, stay. Other vertices stay to the bit.
 //   animated, positions: per display vertex. Throws InvalidInput if they do not match the surface.
 // Cost: O(triangles), about 30 ns each.
 inline constexpr int kUntanglePasses = 8;

@@ -14,7 +14,7 @@ from ..mesh.outer_side import OuterSide
 from .base_cloth import ClothFrame
 from .drape import Drape, corner_of
 
-NO_LIMIT = 2**30  # the garment has as many vertices as it has
+NO_LIMIT = 2**30  # of shown vertices: they are those of the garment itself
 SMOOTHINGS = 2  # of the cloth on an even mesh, see smoothed()
 
 
